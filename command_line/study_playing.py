@@ -6,27 +6,29 @@ import threading
 import time
 from collections import deque
 from collections.abc import Mapping
-
-from scipy.stats import trim_mean
+from statistics import median
 
 from ..core.arrays import FloatArray
 from .serve.stage import DeviceStage
 
 RATE = 8000
 """Samples per second of the tracks."""
-BLOCK = 0.02
-"""Seconds of a block that is sent to the devices."""
-AHEAD = 0.2
-"""Seconds after the last picture, from which on devices are silent, and of the samples sent in
-advance."""
+BLOCK = RATE // 50
+"""Samples of a block that is sent to the devices."""
+AHEAD = RATE // 5
+"""Samples after the last picture, from which on devices are silent: that many are sent with each
+block."""
 PATIENCE = 3.0
 """Seconds in which a device that was lost is found again."""
 _PICTURES = 24
+_JUMP = 0.08
+"""Seconds of the film by which two pictures differ if it has stood still, or jumped."""
+_LOOK = 0.001
 
 
 class FilmPlayer:
     """Plays tracks in step with a film. The page says when each picture is shown; the zero of the
-    film is the mean of the middle half of the last ones. Without pictures the devices fall silent.
+    film is the median of the last ones. Without pictures the devices fall silent.
 
     halted: why nothing plays; empty if all is well.
     """
@@ -43,7 +45,8 @@ class FilmPlayer:
         self._tracks = tracks
         self._losses = {key: self._outputs[key].status.losses for key in tracks}
         self._zeros: deque[float] = deque(maxlen=_PICTURES)
-        self._zero = self._shown = self._late = self._sent = 0.0
+        self._zero = self._shown = self._late = 0.0
+        self._sent = self._next = 0
         self._stage.stop()
 
     def load(self, tracks: Mapping[str, FloatArray]) -> None:
@@ -60,26 +63,20 @@ class FilmPlayer:
         if abs(shown - now) > 1.0:
             return
         with self._lock:
-            if self._zeros and abs(zero - self._zero) > 4 * BLOCK:
+            if self._zeros and abs(zero - self._zero) > _JUMP:
                 self._zeros.clear()  # the film has stood still, or jumped
             if not self._zeros:
-                self._next = max(round((now - zero) / BLOCK), 0)
+                self._next = max(round((now - zero) * RATE / BLOCK), 0) * BLOCK
             self._zeros.append(zero)
-            self._zero = float(trim_mean(self._zeros, 0.25))
+            self._zero = median(self._zeros)
             self._shown = now
-
-    def touch(self, key: str, samples: FloatArray) -> None:
-        """Play samples (actuators, n) on a device at once, unless tracks or a halt forbid it."""
-        with self._lock:
-            if not (self.halted or self._tracks):
-                self._outputs[key].send(samples)
 
     def stop(self) -> tuple[float, float]:
         """Fall silent. Returns by how many seconds sending was late at most, and how many seconds
         of the tracks were sent; without pictures none are."""
         with self._lock:
             self._check()
-            found = self._late, self._sent
+            found = self._late, self._sent / RATE
             self._begin({})
         return found
 
@@ -96,7 +93,7 @@ class FilmPlayer:
             while (status := output.status).state != "open" and time.monotonic() < end:
                 if status.is_over:
                     output.start()
-                time.sleep(BLOCK)
+                time.sleep(_LOOK)
 
     def _check(self) -> None:
         """Halt if a device that plays was lost, even if it is there again."""
@@ -108,30 +105,27 @@ class FilmPlayer:
     def _run(self) -> None:
         """The thread that sends blocks when they are due."""
         while True:
+            time.sleep(_LOOK)
             with self._lock:
-                now, pause = time.perf_counter(), BLOCK / 4
-                if self._zeros and now > self._shown + AHEAD:
+                now, due = time.perf_counter(), self._zero + self._next / RATE
+                if self._zeros and now > self._shown + AHEAD / RATE:
                     self._zeros.clear()
                     self._stage.stop()
-                elif self._zeros:
-                    due = self._zero + self._next * BLOCK
-                    pause = due - now
-                    if pause <= 0:
-                        self._check()
-                        self._send(due)
-                        self._late = max(self._late, -pause)
-            time.sleep(min(max(pause, 0.0), BLOCK / 4))
+                elif self._zeros and now >= due:
+                    self._check()
+                    self._send(due)
+                    self._late = max(self._late, now - due)
 
     def _send(self, due: float) -> None:
         """Send the next block of each device, and what follows in case that the next is late."""
-        played = 0.0
+        played = 0
         for key, samples in self._tracks.items():
             output = self._outputs[key]
-            begin = self._next * BLOCK + getattr(output.profile, "latency", 0.0)
-            first, last, end = (round((begin + more) * RATE) for more in (0.0, BLOCK, AHEAD))
-            if first < samples.shape[1]:
-                output.send(samples[:, first:last], due)
-                output.expect(samples[:, last:end], due)
+            lead = round(RATE * getattr(output.profile, "latency", 0.0))
+            rest = samples[:, self._next + lead :]
+            if rest.size:
+                output.send(rest[:, :BLOCK], due)
+                output.expect(rest[:, BLOCK:AHEAD], due)
                 played = BLOCK
-        self._next += 1
+        self._next += BLOCK
         self._sent += played

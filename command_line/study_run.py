@@ -9,7 +9,7 @@ import secrets
 import threading
 import time
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import closing, suppress
 from http import HTTPStatus
 from importlib import import_module
 from mimetypes import guess_type
@@ -24,20 +24,20 @@ from websockets.http11 import Request, Response
 from websockets.sync.server import Server, ServerConnection, serve
 
 from ..core.arrays import FloatArray
-from ..core.devices.mapping import Place, map_listeners
+from ..core.devices.mapping import ListenerMapping, map_listeners
 from ..core.formats.tracks.wav import read
 from ..core.forms import Form, JsonObject
 from ..core.scene.body_map import View
 from ..study.people.body import svg
 from ..study.people.exposure import daily, limits_of
-from ..study.people.plan import FORM, begin, read_form, stimuli
+from ..study.people.plan import FORM, HERE, begin, read_form, stimuli
 from ..study.people.sitting import Sitting
 from . import say
 from .serve.stage import DeviceStage
 from .study_playing import RATE, FilmPlayer
 
 PAGES = ("experimenter", "participant")
-_FOLDER = Path(import_module("..study.people", __package__).__path__[0])
+_TONE = 0.6 * np.sin(2 * np.pi * 160 * np.arange(RATE // 2) / RATE)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -47,14 +47,11 @@ def run(args: argparse.Namespace) -> int:
         import_module(".study_stimuli", __package__).prepare(args.out, form)
     if args.prepare:
         return 0
-    stage = DeviceStage.of(args.device)
-    try:
+    with closing(DeviceStage.of(args.device)) as stage:
         study = Study(args.out, form, args.participants, stage)
         with study.listen(args.port) as server:
             say(study.pages)
             server.serve_forever()
-    finally:
-        stage.close()
     return 0
 
 
@@ -70,60 +67,61 @@ class Study:
         the form is not connected."""
         self._folder, self._form, self._outputs = folder, form, stage.outputs
         files = stimuli(folder, form)
+        self._served = {role: HERE / f"{role}.html" for role in PAGES}
+        self._served |= {f"film/{key[0]}": file for key, file in files.items() if not key[1]}
         self._tracks = {key: read(path) for key, path in files.items() if key[1]}
         ways = {
             tuple((one.name, one.body_part or one.name, one.sample_rate) for one in track.channels)
             for track in self._tracks.values()
         }
-        names, self._parts, rates = zip(*ways.pop(), strict=True)
+        names, parts, rates = zip(*ways.pop(), strict=True)
         if ways or rates[0] != RATE:
             raise ValueError(f"{folder}: all tracks need the same listeners, and {RATE} Hz")
+        self._parts = np.array(parts)
         self._seconds = {
-            key[0]: track.stored.shape[1] / RATE for key, track in self._tracks.items()
+            scene: track.stored.shape[1] / RATE for (scene, _), track in self._tracks.items()
         }
-        levels: dict[str, dict[str, list[float]]] = {name: {} for name in form["conditions"]}
-        for scene, condition in self._tracks:
-            rms = np.sqrt((self._samples(scene, condition) ** 2).mean(axis=1))
-            levels[condition][scene] = rms.round(6).tolist()
-        devices = {key: output.profile for key, output in self._outputs.items()}
-        listeners = dict(zip(names, self._parts, strict=True))
-        self._mapping = map_listeners(listeners, devices, chosen=self._chosen(listeners))
-        self._plan = begin(folder, form, participants, self._parts, levels)
-        self.exposure = [self._exposed(part) for part in dict.fromkeys(self._parts)]
+        levels = {
+            condition: {scene: self._levels(scene, condition) for scene in form["scenes"]}
+            for condition in form["conditions"]
+        }
+        self._mapping = self._mapped(dict(zip(names, parts, strict=True)))
+        self._plan = begin(folder, form, participants, parts, levels)
+        self.exposure = [self._exposed(part) for part in dict.fromkeys(parts)]
         self._player = FilmPlayer(stage)
         self._sitting: Sitting | None = None
-        self._served = {role: _FOLDER / f"{role}.html" for role in PAGES}
-        self._served |= {f"film/{key[0]}": file for key, file in files.items() if not key[1]}
         self._connections: set[ServerConnection] = set()
         self._lock = threading.RLock()
 
     def _samples(self, scene: str, condition: str) -> FloatArray:
         return np.asarray(self._tracks[scene, condition].stored, dtype=np.float64)
 
-    def _chosen(self, listeners: Mapping[str, str]) -> dict[str, list[Place]]:
-        """The actuators of the listeners to whose body parts the form gives a device. Raises
-        ValueError."""
-        chosen: dict[str, list[Place]] = {}
+    def _levels(self, scene: str, condition: str) -> list[float]:
+        """RMS by listener."""
+        rms = np.sqrt((self._samples(scene, condition) ** 2).mean(axis=1))
+        return list(rms.round(6).tolist())
+
+    def _mapped(self, listeners: Mapping[str, str]) -> ListenerMapping:
+        """The actuators of the listeners, on the devices that the form gives to their body parts.
+        Raises ValueError."""
+        devices = {key: output.profile for key, output in self._outputs.items()}
+        mapping = map_listeners(listeners, devices)
         for part, text in self._form.get("devices", {}).items():
-            places = [
-                Place(key, actuator.name)
-                for key, output in self._outputs.items()
-                for actuator in output.profile.actuators
-                if part in actuator.body_parts
-                and text.lower() in f"{key} {output.profile.title}".lower()
-            ]
-            if not places or part not in self._parts:
+            mine = self._parts == part
+            for key, device in devices.items():
+                if text.lower() not in f"{key} {device.title}".lower():
+                    mapping.weights[key][:, mine] = 0.0
+            if not any(weights[:, mine].any() for weights in mapping.weights.values()):
                 raise ValueError(
                     f"{self._folder / FORM}: devices: {part} = {text!r}: needs a listener and a "
                     "connected device there"
                 )
-            chosen |= {name: places for name, place in listeners.items() if place == part}
-        return chosen
+        return mapping
 
     def _exposed(self, part: str) -> list[Any]:
         """A body part as in `exposure`. A(8) is the sum of its listeners', never too low."""
         played, total = True, 0.0
-        for number in (k for k, own in enumerate(self._parts) if own == part):
+        for number in np.flatnonzero(self._parts == part):
             actuators = [
                 (gains[number], actuator.device)
                 for key, output in self._outputs.items()
@@ -133,34 +131,32 @@ class Study:
                 if gains[number]
             ]
             channels = [track.channels[number] for track in self._tracks.values()]
-            tracks = [(np.asarray(channel.samples), channel.device) for channel in channels]
-            value = daily(tracks, RATE, actuators, part)
-            total += math.nan if value is None else value
+            total += daily(channels, actuators, part)
             played = played and bool(actuators)
         return [part, played, None if math.isnan(total) else total, *limits_of(part)]
 
     def listen(self, port: int) -> Server:
         """The server, on this machine only. Raises OSError."""
         server = serve(self._handle, "127.0.0.1", port, process_request=self._admit)
-        self._host = f"127.0.0.1:{server.socket.getsockname()[1]}"
+        host = f"http://127.0.0.1:{server.socket.getsockname()[1]}"
         self._root = f"/{secrets.token_urlsafe(12)}/"
-        self.pages = [f"http://{self._host}{self._root}{role}" for role in PAGES]
+        self.pages = [f"{host}{self._root}{role}" for role in PAGES]
         return server
 
     def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         """Pages and films over HTTP, and the WebSockets of the pages."""
-        name = unquote(request.path).removeprefix(self._root)
-        if request.headers.get("Host") != self._host or name not in self._served:
+        file = self._served.get(unquote(request.path).removeprefix(self._root))
+        if file is None:
             return connection.respond(HTTPStatus.FORBIDDEN, "not a page of this study\n")
         if "Upgrade" in request.headers:
             return None
-        body, kind = self._served[name].read_bytes(), guess_type(self._served[name].name)[0]
-        headers = Headers({"Content-Type": str(kind), "Content-Length": str(len(body))})
+        body = file.read_bytes()
+        kind = str(guess_type(file)[0])
+        headers = Headers({"Content-Type": kind, "Content-Length": str(len(body))})
         return Response(HTTPStatus.OK, "OK", headers, body)
 
     def _handle(self, connection: ServerConnection) -> None:
-        """Do what a page asks for until it is closed. The participant's page takes the vibration
-        with it."""
+        """Do what a page asks for until it is closed."""
         self._connections.add(connection)
         try:
             self._show()
@@ -172,29 +168,28 @@ class Study:
                 if asked == "halt":  # waits for nothing
                     self._player.halt("emergency stop")
                 with self._lock:
-                    goes_on = getattr(self, f"_on_{asked}")(*values)
-                if not goes_on:
+                    if self._sitting and asked in ("play", "halt", "resume"):
+                        self._sitting.note(asked)
+                    getattr(self, f"_on_{asked}")(*values)
+                if asked != "picture" or self._player.halted:
                     self._show()
         except (ConnectionClosed, ValueError, TypeError, KeyError, AttributeError):
             pass  # what does not speak as a page does is not answered
         finally:
             self._connections.remove(connection)
-            pages = [one.request.path for one in self._connections if one.request is not None]
-            if not any(page.endswith("participant") for page in pages):
-                self._player.stop()
 
-    def _note(self, what: str) -> None:
-        if self._sitting is not None:
-            self._sitting.note(what)
+    @property
+    def _step(self) -> JsonObject:
+        """What the participant who is sitting does now."""
+        return self._sitting.step if self._sitting else {}
 
     def _on_look(self) -> None:
         """Show how devices are."""
 
     def _on_halt(self) -> None:
-        self._note("stopped")
+        """Show that the player has halted."""
 
     def _on_resume(self) -> None:
-        self._note(f"goes on after: {self._player.halted}")
         self._player.resume()
 
     def _on_begin(self, name: str) -> None:
@@ -204,32 +199,28 @@ class Study:
 
     def _on_touch(self, key: str, row: int) -> None:
         """Play half a second of 160 Hz on one actuator."""
-        tone = np.zeros((len(self._outputs[key].profile.actuators), RATE // 2))
-        tone[row] = 0.6 * np.sin(2 * np.pi * 160 * np.arange(RATE // 2) / RATE)
-        self._player.touch(key, tone)
+        output = self._outputs[key]
+        if not self._player.halted:
+            output.send(np.outer(np.eye(len(output.profile.actuators))[row], _TONE))
 
     def _on_play(self) -> None:
         """Begin a section; the film says when."""
-        step = self._sitting.step if self._sitting is not None else None
-        if step is not None and step["step"] == "play":
-            self._player.load(self._mapping.blocks(self._samples(step["scene"], step["condition"])))
-            self._note(f"plays {step['scene']}, {step['condition']}")
+        if self._step["step"] == "play":
+            samples = self._samples(self._step["scene"], self._step["condition"])
+            self._player.load(self._mapping.blocks(samples))
 
-    def _on_picture(self, film: float, shown: float) -> bool:
-        """Follow the film. Returns whether it goes on."""
+    def _on_picture(self, film: float, shown: float) -> None:
         self._player.follow(film, shown)
-        return not self._player.halted
 
-    def _on_answer(self, number: int, answer: Any) -> None:
+    def _on_answer(self, number: int, rows: Any, seconds: float) -> None:
         """Take an answer; a section has been played if no device was lost."""
-        sitting = self._sitting
-        if sitting is not None and sitting.step is not None:
-            if sitting.step["step"] == "play":
-                late, sent = self._player.stop()
-                missed = max(self._seconds[sitting.step["scene"]] - sent, 0.0)
-                answer = [round(1e3 * late, 2), round(1e3 * missed, 2)]
-            if not self._player.halted:
-                sitting.take(number, answer)
+        if self._step.get("step") == "play":
+            late, sent = self._player.stop()
+            missed = max(self._seconds[self._step["scene"]] - sent, 0.0)
+            times = {"late_ms": 1e3 * late, "missed_ms": 1e3 * missed}
+            rows = [{"item": item, "value": round(value, 2)} for item, value in times.items()]
+        if self._sitting and not self._player.halted:
+            self._sitting.take(number, rows, seconds)
 
     def _show(self) -> None:
         """Send all pages what they show."""
@@ -242,7 +233,7 @@ class Study:
         sitting = self._sitting
         everybody = [Sitting(self._folder, name, self._plan) for name in self._plan["orders"]]
         return {
-            "form": {**self._form, "about": list(self._form["about"].items())},
+            "form": self._form,
             "participants": [[one.participant, one.done, len(one.steps)] for one in everybody],
             "devices": [
                 {
@@ -255,9 +246,9 @@ class Study:
             ],
             "exposure": self.exposure,
             "halted": self._player.halted,
-            "bodies": [svg(view) for view in get_args(View)],
+            "bodies": [svg(view, {}) for view in get_args(View)],
             "seconds": self._seconds,
             "sitting": sitting and sitting.participant,
             "number": sitting and sitting.done,
-            "step": sitting and sitting.step,
+            "step": self._step or None,
         }

@@ -10,7 +10,7 @@ import numpy as np
 from ..addon.view.colour_map import colour_table
 from ..core.arrays import FloatArray
 from ..core.scene.body_map import figure
-from .people.body import BOX, line
+from .body_svg import BOX, line
 
 FLOOR = -46.0
 """Decibels of full scale at the dark end of the colours."""

@@ -7,7 +7,7 @@ import json
 import random
 import shutil
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from ...core.forms import Form, JsonObject
 from .record import PLAN, read_plan
 
 FORM = "study.toml"
-_TEMPLATE = Path(__file__).with_name("template.toml")
+HERE = Path(__file__).parent
 
 
 def read_form(folder: Path) -> JsonObject:
@@ -27,16 +27,13 @@ def read_form(folder: Path) -> JsonObject:
     path = folder / FORM
     if not path.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(_TEMPLATE, path)
+        shutil.copyfile(HERE / "template.toml", path)
         raise ValueError(f"{path}: new; fill in the consent and the items of the questionnaire")
     try:
         form = tomllib.loads(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise ValueError(f"{path}: not TOML: {error}") from None
     validate(form, "people_study", path)
-    for name, scene in form["scenes"].items():
-        if len({"sample", "blend", "tracks"} & scene.keys()) != 1:
-            raise FormatError(path, f"/scenes/{name}", "has one of sample, blend and tracks")
     if form["scale"]["low"] >= form["scale"]["high"]:
         raise FormatError(path, "/scale/high", "must be above low")
     texts = [item["text"] for item in form["items"]]
@@ -71,7 +68,7 @@ def begin(
     form: Form,
     participants: int,
     listeners: Sequence[str],
-    levels: Mapping[str, Mapping[str, Sequence[float]]],
+    levels: Form,
 ) -> JsonObject:
     """The plan of the folder, written once, with an order for each of the ``participants``; later
     ones may be added, and nothing else may change.
@@ -88,19 +85,15 @@ def begin(
     """
     path = folder / PLAN
     before = read_plan(folder) if path.exists() else {"form": form, "levels": levels, "orders": {}}
-    for now, then, what in (
-        (form, before["form"], f"{folder / FORM}: has"),
-        (levels, before["levels"], f"{folder}: the tracks have"),
-    ):
-        if now != then:
-            raise ValueError(
-                f"{what} changed since the study began; put back what was there, or begin another "
-                "study in another folder"
-            )
+    if (before["form"], before["levels"]) != (form, levels):
+        raise ValueError(
+            f"{folder}: {FORM} or the tracks have changed since the study began; put back what was "
+            "there, or begin another study in another folder"
+        )
     count = max(participants, len(before["orders"]))
     plan = {
         "format": "haptic-study",
-        "version": 1,
+        "version": 2,
         "form": form,
         "listeners": listeners,
         "levels": levels,
@@ -112,32 +105,34 @@ def begin(
 
 def orders(
     conditions: Iterable[str], scenes: Iterable[str], participants: int, seed: int
-) -> dict[str, JsonObject]:
-    """For each participant the order of conditions, and that of scenes within each of them. The
-    first participants' are the same however many there are."""
-    rows, sections = _rows(conditions, f"conditions {seed}"), _rows(scenes, f"scenes {seed}")
+) -> dict[str, list[JsonObject]]:
+    """The steps of each participant, with conditions and the scenes within each of them in balanced
+    orders. The first participants' are the same however many there are."""
+    rows = balanced_rows([*conditions], f"conditions {seed}")
+    sections = balanced_rows([*scenes], f"scenes {seed}")
     found = {}
     for number in range(participants):
-        row = next(rows)
-        within = [next(sections) for _ in row]
-        found[f"P{number + 1:02}"] = {"conditions": row, "scenes": within}
+        order = next(rows)
+        steps: list[JsonObject] = [{"step": name} for name in ("consent", "about", "start")]
+        for position, condition in enumerate(order):
+            ride = {"condition": condition, "position": position + 1}
+            for scene in next(sections):
+                steps += [{"step": name, **ride, "scene": scene} for name in ("play", "place")]
+            steps.append({"step": "rate", **ride})
+        steps += [{"step": "rank", "conditions": order}, {"step": "words"}, {"step": "end"}]
+        found[f"P{number + 1:02}"] = steps
     return found
 
 
-def _rows(names: Iterable[str], seed: str) -> Iterator[list[str]]:
-    """The rows of one shuffled square after another."""
-    generator, chosen = random.Random(seed), list(names)
-    while True:
-        yield from shuffled_square(chosen, generator)
-
-
-def shuffled_square(names: Sequence[str], generator: random.Random) -> list[list[str]]:
-    """Rows of a balanced Latin square of the names (E. J. Williams, Aust. J. Sci. Res. A 2 (1949)
-    149), in random order: each name stands at each place, and follows each other one, equally
-    often. An odd number of names takes twice as many rows."""
-    names, count = generator.sample(names, len(names)), len(names)
+def balanced_rows(names: Sequence[str], seed: str) -> Iterator[list[str]]:
+    """The rows of one balanced Latin square of the names after another (E. J. Williams, Aust. J.
+    Sci. Res. A 2 (1949) 149), in random order: in each square every name stands at each place, and
+    follows each other one, equally often. An odd number of names takes twice as many rows."""
+    generator, count = random.Random(seed), len(names)
     first = [(k + 1) // 2 if k % 2 else -(k // 2) for k in range(count)]
-    rows = [[names[(place + shift) % count] for place in first] for shift in range(count)]
-    if count % 2:
-        rows += [row[::-1] for row in rows]
-    return generator.sample(rows, len(rows))
+    while True:
+        chosen = generator.sample(names, count)
+        rows = [[chosen[(place + shift) % count] for place in first] for shift in range(count)]
+        if count % 2:
+            rows += [row[::-1] for row in rows]
+        yield from generator.sample(rows, len(rows))

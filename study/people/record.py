@@ -30,21 +30,18 @@ def read_plan(folder: Path) -> JsonObject:
 def read_steps(path: Path) -> list[JsonObject]:
     """The steps that a participant has taken, and notes, which have no answer. A line that was cut
     off while it was written is left out."""
-    if not path.exists():
-        return []
-    whole, _, _ = path.read_bytes().rpartition(b"\n")
-    return [json.loads(line) for line in whole.splitlines()]
+    written = path.read_bytes() if path.exists() else b""
+    return [json.loads(line) for line in written.rpartition(b"\n")[0].splitlines()]
 
 
 def add_step(path: Path, step: Form) -> None:
     """Append a step with the time, on the disk when this returns; a line that was cut off is
     replaced."""
     line = json.dumps({**step, "at": datetime.now(UTC).isoformat(timespec="milliseconds")})
-    with path.open("a+b") as file:
+    with path.open("a+b", buffering=0) as file:
         file.seek(0)
         file.truncate(file.read().rfind(b"\n") + 1)
         file.write(line.encode() + b"\n")
-        file.flush()
         os.fsync(file.fileno())
 
 
@@ -67,14 +64,12 @@ def tidy(folder: Path, plan: Form) -> DataFrame:
 def _excluded(steps: Sequence[Form], rules: Form) -> str:
     """Why a participant is excluded, or ""."""
     rated = [step for step in steps if step["step"] == "rate"]
+    values = {row["value"] for step in rated for row in step["answer"]}
+    least = rules["seconds_per_item"]
     if rules["incomplete"] and steps[-1]["step"] != "end":
         return "not finished"
-    if (
-        rules["same_answers"]
-        and len({row["value"] for step in rated for row in step["answer"]}) == 1
-    ):
+    if rules["same_answers"] and len(values) == 1:
         return "the same answer to every question"
-    least = rules["seconds_per_item"]
     if any(step["seconds"] < least * len(step["answer"]) for step in rated):
         return f"less than {least:g} s per question"
     return ""

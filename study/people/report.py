@@ -15,22 +15,16 @@ from ...core.formats.io.atomic import write_bytes
 from ...core.forms import Form
 from ...core.scene.body_map import View
 from .body import svg
+from .plan import HERE
 from .record import read_plan, scores, tidy
-from .statistics import Row, differences, friedman, pairs, power, share
+from .statistics import Row, friedman, pairs, share
 
 FEWEST = 6
 """People below whose number nothing is tested."""
 LEAST_MISSED = 100.0
-_HERE = Path(__file__).parent
-PUBLISHED = tomllib.loads((_HERE / "published.toml").read_text(encoding="utf-8"))
+"""Milliseconds of a section from which on it is listed if they were not played."""
+PUBLISHED = tomllib.loads((HERE / "published.toml").read_text(encoding="utf-8"))
 """What the paper prints."""
-_LAYOUT: Row = {
-    "index": False,
-    "na_rep": "",
-    "border": 0,
-    "classes": "numbers",
-    "float_format": "%.3g",
-}
 
 
 def analyse(folder: Path) -> list[Path]:
@@ -42,32 +36,42 @@ def analyse(folder: Path) -> list[Path]:
         raise ValueError(f"{folder}: nobody has ranked the conditions yet")
     kept = answers[answers["excluded"] == ""]
     rated = scores(kept, form)
-    order = rated["(ranking)"]
     factors = {name: rated[name] for name in rated.columns.unique(0) if len(rated) >= FEWEST}
-    places, maps = _places(kept, plan)
-    paper_pairs = PUBLISHED["pairs"]
     reasons = answers.groupby("participant")["excluded"].first()
+    missed = answers[answers["item"] == "missed_ms"].astype({"value": float})
+    missed = missed.loc[
+        missed["value"] > LEAST_MISSED, ["participant", "condition", "scene", "value"]
+    ]
+    places, maps = _places(kept, plan)
     tables = {
         "excluded": reasons[reasons != ""].reset_index(),
-        "preferred": DataFrame(_preferred(order)),
-        "factors": DataFrame([_whole(*one, form["smallest_effect"]) for one in factors.items()]),
-        "pairs": DataFrame(
-            {"factor": name, **row, "paper": paper_pairs.get(name.lower(), {}).get(row["pair"])}
+        "preferred": DataFrame(_preferred(rated["(ranking)"])),
+        "factors": DataFrame(
+            {"factor": name, **friedman(ratings), "paper": PUBLISHED["friedman"].get(name)}
             for name, ratings in factors.items()
-            for row in pairs(ratings)
+        ),
+        "pairs": DataFrame(
+            {"factor": name, **row, "paper": PUBLISHED["pairs"].get(name, {}).get(row["pair"])}
+            for name, ratings in factors.items()
+            for row in pairs(ratings, form["smallest_effect"])
         ),
         "places": DataFrame(places),
-        "missed": _missed(answers),
+        "missed": missed.rename(columns={"value": "ms"}),
     }
-    text = Template((_HERE / "analysis.html").read_text(encoding="utf-8")).substitute(
-        {name: table.to_html(**_LAYOUT) for name, table in tables.items()},
+    text = Template((HERE / "analysis.html").read_text(encoding="utf-8")).substitute(
+        {
+            name: table.to_html(
+                index=False, na_rep="", border=0, classes="numbers", float_format="%.3g"
+            )
+            for name, table in tables.items()
+        },
         title=escape(form["title"]),
-        style=(_HERE.parent / "report.css").read_text(encoding="utf-8"),
+        style=(HERE.parent / "report.css").read_text(encoding="utf-8"),
         count=len(reasons),
         planned=len(plan["orders"]),
         kept=(reasons == "").sum(),
-        rules=", ".join(f"{name} = {json.dumps(rule)}" for name, rule in form["exclusion"].items()),
-        ranks=_ranks(order),
+        rules=json.dumps(form["exclusion"]),
+        ranks=_ranks(rated["(ranking)"]),
         effect=form["smallest_effect"],
         maps=maps,
     )
@@ -78,38 +82,16 @@ def analyse(folder: Path) -> list[Path]:
     return [folder / name for name in files]
 
 
-def _missed(answers: DataFrame) -> DataFrame:
-    """Sections of which more than `LEAST_MISSED` milliseconds were not played."""
-    rows = answers[answers["item"] == "missed_ms"].astype({"value": float})
-    columns = ["participant", "condition", "scene", "value"]
-    return rows.loc[rows["value"] > LEAST_MISSED, columns].rename(columns={"value": "ms"})
-
-
 def _preferred(order: DataFrame) -> list[Row]:
     """First choices and mean ranks by condition."""
-    paper, first = PUBLISHED["preferred"], (order == 1).sum()
+    first = (order == 1).sum()
     return [
         {"condition": name, "people": first[name], "mean rank": column.mean()}
-        | share("share", int(first[name]), len(column))
-        | {"paper": paper.get(name)}
+        | share("share", first[name], len(column))
+        | {"paper": PUBLISHED["preferred"].get(name)}
         for name, column in order.items()
         if len(column)
     ]
-
-
-def _whole(factor: str, ratings: DataFrame, effect: float) -> Row:
-    """Friedman's test of a factor, (participants, conditions), and the power for an effect."""
-    people, apart = len(ratings), differences(ratings)
-    spread = max(float(apart.var().mean()) ** 0.5, 1e-3)
-    return {
-        "factor": factor,
-        "people": people,
-        **friedman(ratings),
-        "paper": PUBLISHED["friedman"].get(factor.lower(), ""),
-        "spread": spread,
-        "power": power(people, effect, spread, 0.05),
-        "power, strictest": power(people, effect, spread, 0.05 / apart.shape[1]),
-    }
 
 
 def _places(kept: DataFrame, plan: Form) -> tuple[list[Row], str]:
@@ -119,15 +101,15 @@ def _places(kept: DataFrame, plan: Form) -> tuple[list[Row], str]:
     for (scene, condition), group in placed.groupby(["scene", "condition"], sort=False):
         listeners = Series(plan["levels"][condition][scene], plan["listeners"])
         levels = (listeners**2).groupby(level=0, sort=False).sum() ** 0.5  # of each body part
-        felt, noticed = group[group["x"].notna()], group.loc[group["item"] == "noticed", "value"]
+        felt, noticed = group.dropna(subset="x"), group.loc[group["item"] == "noticed", "value"]
         row: Row = {"scene": scene, "condition": condition, "strongest": levels.idxmax()}
-        row |= share("noticed", int(noticed.sum()), len(noticed))
+        row |= share("noticed", noticed.sum(), len(noticed))
         rows.append(row | {"at the strongest": (felt["value"] == levels.idxmax()).mean()})
         shares = (levels / (levels.max() or 1.0)).to_dict()
         for view in get_args(View):
             dots = felt.loc[felt["item"] == view, ["x", "y"]].to_numpy(float)
-            caption = f"<figcaption>{escape(scene)}, {escape(condition)}, {view}</figcaption>"
-            maps += f"<figure>{svg(view, shares, dots)}{caption}</figure>"
+            caption = escape(f"{scene}, {condition}, {view}")
+            maps += f"<figure>{svg(view, shares, dots)}<figcaption>{caption}</figcaption></figure>"
     return rows, maps
 
 

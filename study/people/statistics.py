@@ -35,7 +35,7 @@ def friedman(ratings: DataFrame) -> Row:
     ranks = stats.rankdata(ratings, axis=1) - (count + 1) / 2
     squares, sums = (ranks**2).sum(axis=1), ranks.sum(axis=0)
     if not squares.any():
-        return {"chi-square": 0.0, "p": 1.0, **estimate("W", 0.0, 0.0, 1.0)}
+        return {"people": people, "chi-square": 0.0, "p": 1.0, **estimate("W", 0.0, 0.0, 1.0)}
     w = float(sums @ sums / (people * squares.sum()))
     others = np.maximum(squares.sum() - squares, 0.5)
     lengths = np.sqrt(((sums - ranks) ** 2).sum(axis=1) / ((people - 1) * others))
@@ -45,7 +45,7 @@ def friedman(ratings: DataFrame) -> Row:
     square = w * people * degrees[0]
     p = float(stats.chi2.sf(square, degrees[0]))
     bounds = np.minimum(distances * variance, 1.0).tolist()
-    return {"chi-square": square, "p": p, **estimate("W", w, *bounds)}
+    return {"people": people, "chi-square": square, "p": p, **estimate("W", w, *bounds)}
 
 
 def holm(p: Series) -> Series:
@@ -62,10 +62,11 @@ def differences(ratings: DataFrame) -> DataFrame:
     return DataFrame({f"{a} - {b}": (ratings[a] - ratings[b]).round(9) for a, b in pairs})
 
 
-def pairs(ratings: DataFrame) -> list[Row]:
+def pairs(ratings: DataFrame, effect: float) -> list[Row]:
     """All pairs of conditions compared by Wilcoxon's signed-rank test of ratings (people,
     conditions), which leaves out differences of zero: p of the pair alone and corrected over all
-    pairs, the mean difference and the matched-pairs rank-biserial correlation."""
+    pairs, the mean difference, the matched-pairs rank-biserial correlation, and the power for a
+    mean difference ``effect`` at the strictest step of the correction."""
     found = differences(ratings)
     p = found.apply(lambda column: stats.wilcoxon(column).pvalue if column.any() else 1.0)
     return [
@@ -75,6 +76,7 @@ def pairs(ratings: DataFrame) -> list[Row]:
             "Holm": corrected,
             **mean(found[name]),
             **biserial(found[name]),
+            "power": power(len(ratings), effect, found[name].std(), 0.05 / len(p)),
         }
         for name, corrected in holm(p).items()
     ]
@@ -116,6 +118,6 @@ def power(people: int, effect: float, spread: float, alpha: float) -> float:
     """Probability that Wilcoxon's two-sided test finds a mean difference ``effect`` of normal
     differences with the standard deviation ``spread``, at the level ``alpha``."""
     counted = people * _EFFICIENCY
-    degrees, shift = (1, counted - 1), counted * (effect / spread) ** 2
+    degrees, shift = (1, counted - 1), counted * (effect / (spread or 1e-3)) ** 2
     limit = special.fdtri(*degrees, 1 - alpha)
     return 1 - float(special.ncfdtr(*degrees, shift, limit))

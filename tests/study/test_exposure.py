@@ -12,6 +12,7 @@ from haptic_tracing.command_line.study_run import Study
 from haptic_tracing.core.devices.guard import DeviceOutput
 from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
+from haptic_tracing.core.formats.tracks.vibration_file import Channel
 from haptic_tracing.core.formats.tracks.wav import described, read, write_wav
 from haptic_tracing.core.perception import FullScale
 from haptic_tracing.study.people.exposure import (
@@ -55,6 +56,11 @@ DEVICE = FullScale(((HERTZ, 20.0),))
 OTHER = FullScale(((40.0, 3.0), (250.0, 90.0)))
 
 
+def track(device):
+    """`SINE`, of a listener with this calibration."""
+    return Channel("Listener", SECONDS, samples=SINE, sample_rate=RATE, device=device)
+
+
 def rms_of_sine(part):
     """Weighted acceleration [m/s^2] of `SINE` on `DEVICE`: of hands by ISO 5349-1's filters, which
     SciPy evaluates."""
@@ -84,15 +90,15 @@ def rms_of_sine(part):
 def test_the_exposure_of_a_sine_is_its_weighted_rms_over_eight_hours(
     part, listener, actuators, times
 ):
-    found = daily([(SINE, listener)] * 3, RATE, actuators, part)
+    found = daily([track(listener)] * 3, actuators, part)
     expected = times * rms_of_sine(part) * math.sqrt(3 * SECONDS / 28_800)
     assert found == pytest.approx(expected, rel=1e-9)
 
 
 def test_without_a_calibration_there_is_no_exposure():
-    assert daily([(SINE, None)], RATE, [], "hand.L") is None
-    assert daily([(SINE, DEVICE), (SINE, None)], RATE, [(1.0, None)], "hand.L") is None
-    assert daily([(SINE, None)], RATE, [(1.0, DEVICE), (1.0, None)], "hand.L") is None
+    assert math.isnan(daily([track(None)], [], "hand.L"))
+    assert math.isnan(daily([track(DEVICE), track(None)], [(1.0, None)], "hand.L"))
+    assert math.isnan(daily([track(None)], [(1.0, DEVICE), (1.0, None)], "hand.L"))
 
 
 FORM = (

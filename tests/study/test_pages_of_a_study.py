@@ -36,14 +36,16 @@ def study(tmp_path):
     for name in ("one", "two"):
         write_wav(tracks, tmp_path / f"{name}.wav")
         (tmp_path / f"{name}.wav.json").write_text(json.dumps(described(tracks)))
+    log = []
     pad = SimpleNamespace(
         profile=profile("dualsense"),
         status=Status("open"),
-        send=lambda block, due=None: None,
+        send=lambda block, due=None: log.append("block"),
         expect=lambda block, due: None,
     )
-    stage = SimpleNamespace(outputs={"pad": pad}, stop=lambda: None)
+    stage = SimpleNamespace(outputs={"pad": pad}, stop=lambda: log.append("silence"))
     study = Study(tmp_path, read_form(tmp_path), 2, stage)
+    study.log = log
     with study.listen(0) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield study
@@ -68,7 +70,7 @@ def begin_section(study, participant, experimenter):
     """Answer all until a section has begun. Returns the number of its step."""
     say(experimenter, "begin", "P01")
     while (state := say(participant, "look"))["step"]["step"] != "play":
-        say(participant, "answer", state["number"], [])
+        say(participant, "answer", state["number"], [], 1.0)
     say(participant, "play")
     return state["number"]
 
@@ -83,7 +85,7 @@ def show_pictures(participant, seconds):
 
 def missed(folder, number, participant):
     """Answer the section. Returns how many milliseconds were missed."""
-    say(participant, "answer", number, [])
+    say(participant, "answer", number, [], 1.0)
     (step,) = (one for one in read_steps(folder / "P01.jsonl") if one.get("step") == "play")
     return {row["item"]: row["value"] for row in step["answer"]}["missed_ms"]
 
@@ -111,8 +113,11 @@ def test_the_page_that_plays_takes_the_vibration_with_it(study):
     with page(study, "experimenter") as experimenter:
         with page(study, "participant") as participant:
             begin_section(study, participant, experimenter)
-            assert study._player._tracks
+            show_pictures(participant, SECONDS / 4)
+            assert study.log[-1] == "block"
         deadline = time.monotonic() + 60
-        while study._player._tracks:
+        while study.log[-1] != "silence":
             assert time.monotonic() < deadline
             time.sleep(0.02)
+        time.sleep(0.1)
+        assert study.log[-1] == "silence"

@@ -44,9 +44,7 @@ def folder(tmp_path):
         "form": form,
         "listeners": PARTS,
         "levels": {name: {"Stalactites": [0.5, 0.1, 0.0]} for name in CONDITIONS},
-        "orders": {
-            name: {"conditions": generator.permutation(CONDITIONS).tolist()} for name in names
-        },
+        "orders": {name: [] for name in names},
     }
     (tmp_path / "study.json").write_text(json.dumps(plan))
     for name in names:

@@ -60,7 +60,7 @@ def test_friedman_of_two_conditions_is_the_sign_test():
 
 
 def test_a_pair_of_the_published_example():
-    (pair,) = pairs(DataFrame({"first": FIRST, "second": SECOND}))
+    (pair,) = pairs(DataFrame({"first": FIRST, "second": SECOND}), 1.0)
     assert pair["p"] == pytest.approx(20 / 2**9, abs=1e-9)
     assert pair["Holm"] == pair["p"]
     assert pair["rank-biserial"] == pytest.approx((40 - 5) / 45, abs=1e-9)
@@ -72,7 +72,7 @@ def test_p_is_the_share_of_signs_with_as_large_a_sum():
     sums = [ranks @ signs for signs in product((-1, 1), repeat=9)]
     own = abs(ranks @ np.sign(differences))
     expected = np.mean(np.abs(sums) >= own - 1e-9)
-    (pair,) = pairs(DataFrame({"first": FIRST, "second": SECOND}))
+    (pair,) = pairs(DataFrame({"first": FIRST, "second": SECOND}), 1.0)
     assert pair["p"] == pytest.approx(expected, abs=1e-9)
 
 
@@ -94,7 +94,7 @@ def test_shares_of_the_published_examples(count, people, low, high):
 
 def test_means_and_p_are_those_of_scipys_tests():
     ratings = simulated(np.random.default_rng(2), 30, 1.0)
-    found = pairs(DataFrame(ratings))
+    found = pairs(DataFrame(ratings), 1.0)
     assert [pair["pair"] for pair in found] == [f"{a} - {b}" for a, b in combinations(range(4), 2)]
     for pair, (a, b) in zip(found, combinations(range(4), 2), strict=True):
         test = stats.ttest_rel(ratings[:, a], ratings[:, b])
@@ -127,7 +127,7 @@ def test_bounds_of_a_correlation_are_those_at_which_its_score_test_just_keeps_it
 def test_ratings_without_any_variation_have_results(ratings):
     found = friedman(DataFrame(ratings))
     assert 0 <= found["W low"] <= found["W"] <= found["W high"] <= 1
-    for pair in pairs(DataFrame(ratings)):
+    for pair in pairs(DataFrame(ratings), 1.0):
         low, high = pair["rank-biserial low"], pair["rank-biserial high"]
         assert -1 <= low <= pair["rank-biserial"] <= high <= 1
         assert 0 <= pair["p"] <= pair["Holm"] <= 1

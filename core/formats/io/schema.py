@@ -270,6 +270,8 @@ def _reason(error: Any) -> tuple[str | None, str]:
             known = limit["enum"]
             key = next(key for key in value if key not in known)
             return key, f"does not belong here{meant(key, known)}; known are " + ", ".join(known)
+        case "oneOf":
+            return None, error.definition.get("description", error.message)
         case None:
             return None, "does not belong here"
         case _:
