@@ -80,7 +80,7 @@ class Number(Declaration):
                 if self.above
                 else f"from {self.low:g} to {self.high:g}"
             )
-            raise ValueError(f"must be {span}{self.unit and ' '}{self.unit}, got {value!r}")
+            raise ValueError(f"must be {span}{self.unit and ' '}{self.unit}, got {value!r:.40}")
         return int(value) if self.whole else value
 
     def schema(self) -> JsonObject:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from ..arrays import FloatArray
 from ..declaration import Number, declare
 from ..forms import JsonObject
 from ..frozen import frozen
-from .limits import MAX_SECONDS, checked_column, integer_within, number_within
+from .limits import MAX_SECONDS, checked_column
 
 
 class Automation:
@@ -106,13 +107,16 @@ class Parameter(Number):
     def checked(self, value: Any) -> Any:
         if self.keyed and isinstance(value, Automation):
             for end in (value.values.min(), value.values.max()):
-                number_within(float(end), self.low, self.high)
+                Number.checked(self, float(end))
             return value
-        if self.whole:
-            return integer_within(value, self.low, self.high)
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise ValueError(f"must be a number, not {type(value).__name__}")
         if self.optional and value == math.inf:
             return value
-        return number_within(value, self.low, self.high)
+        if self.whole and value % 1 != 0:
+            raise ValueError(f"must be a whole number, not {value:g}")
+        number = Number.checked(self, value)
+        return number if self.whole else float(number)
 
     def schema(self) -> JsonObject:
         return {"$ref": "#/$defs/parameter"} if self.keyed else Number.schema(self)

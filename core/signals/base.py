@@ -15,7 +15,7 @@ from ..declaration import Declaration, Declared, declare, declared
 from ..forms import JsonObject
 from ..frozen import frozen
 from .automation import Automation, largest, parameter, values_of
-from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
+from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS
 
 
 def sample_times(start: int, count: int, sample_rate: float, onset: float) -> FloatArray:
@@ -322,17 +322,18 @@ class Loop(Modified, kind="loop"):
     count: int | None = parameter(
         None, "Times that loop plays; without it, endlessly", 1, 10**9, whole=True, optional=True
     )
-    crossfade: float = 0.0
+    crossfade: float = parameter(
+        0.0, "Seconds for which the passes of loop overlap", 0.0, MAX_SECONDS
+    )
 
     def __post_init__(self) -> None:
         Modified.__post_init__(self)
         if not MIN_SECONDS <= self.of.duration <= MAX_SECONDS:
             raise ValueError(f"of: a looped signal must end, after {MIN_SECONDS:g} seconds or more")
-        object.__setattr__(
-            self,
-            "crossfade",
-            checked_number("crossfade", self.crossfade, 0.0, self.of.duration / 2),
-        )
+        if self.crossfade > self.of.duration / 2:
+            raise ValueError(
+                f"crossfade: must be from 0 to {self.of.duration / 2:g}, not {self.crossfade:g}"
+            )
 
     @property
     def period(self) -> float:

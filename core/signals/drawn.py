@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
+from ..declaration import Declared
 from ..frozen import frozen
-from .automation import Automation, ramp
+from .automation import Automation, parameter, ramp
 from .base import Delay, Loop, Product, Signal, Sum
 from .envelopes import Keyed
-from .limits import checked_number
 from .oscillators import Sine
 
 LOWEST, HIGHEST = 65.0, 300.0
@@ -21,17 +21,13 @@ EMPHASIS_SECONDS = 0.02
 
 
 @frozen
-class Emphasis:
+class Emphasis(Declared):
     """A short burst at ``time`` seconds, of a ``strength`` and a ``sharpness`` from 0 to 1, like
     the transients of phones."""
 
     time: float
-    strength: float = 1.0
-    sharpness: float = 0.5
-
-    def __post_init__(self) -> None:
-        checked_number("strength", self.strength, 0.0, 1.0)
-        checked_number("sharpness", self.sharpness, 0.0, 1.0)
+    strength: float = parameter(1.0, "Strength of the burst", 0.0, 1.0)
+    sharpness: float = parameter(0.5, "Sharpness of the burst", 0.0, 1.0)
 
     def to_signal(self) -> Signal:
         """A sine of constant amplitude for `EMPHASIS_SECONDS`."""

@@ -14,7 +14,7 @@ from ..declaration import Declaration, declare
 from ..frozen import frozen
 from .automation import Automation, largest, parameter
 from .base import Signal
-from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS, checked_number
+from .limits import MAX_PEAK, MAX_SECONDS, MIN_SECONDS
 
 SILENCE = 1e-4
 """Fraction of its initial value at which an exponential decay ends (-80 dB)."""
@@ -97,7 +97,8 @@ class Keyed(Signal, kind="keyed"):
     def __post_init__(self) -> None:
         if not isinstance(self.automation, Automation):
             raise ValueError("track: must be an Automation")
-        checked_number("track", self.peak, 0.0, MAX_PEAK)
+        if self.peak > MAX_PEAK:
+            raise ValueError(f"track: must be within ±{MAX_PEAK:g}, not {self.peak:g}")
         if self.duration < MIN_SECONDS:
             raise ValueError("track: its last key must be after the beginning")
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from numbers import Integral, Real
-from typing import cast
 
 import numpy as np
 
@@ -19,42 +16,6 @@ MAX_SECONDS = 1e6
 """Longest time in a signal's parameters (an endless signal has no duration at all)."""
 MIN_SECONDS = 1e-6
 """Shortest duration of a signal that must have one [s]."""
-
-
-def number_within(value: object, low: float, high: float) -> float:
-    """Return `value` as a float within [low, high]. Raise ValueError with the reason otherwise."""
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise ValueError(f"must be a number, not {type(value).__name__}")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not low <= number <= high:
-        raise ValueError(f"must be from {low:g} to {high:g}, not {number:g}")
-    return number
-
-
-def checked_number(name: str, value: object, low: float, high: float) -> float:
-    """The same; the error names `name`."""
-    try:
-        return number_within(value, low, high)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
-
-
-def integer_within(value: object, low: float, high: float) -> int:
-    """Return `value` as an int within [low, high]. Raise ValueError with the reason otherwise."""
-    whole = (
-        value.is_integer()
-        if isinstance(value, float)
-        else isinstance(value, Integral) and not isinstance(value, bool)
-    )
-    if not whole:
-        raise ValueError(f"must be a whole number, not {type(value).__name__}")
-    number = int(cast(float, value))
-    if not low <= number <= high:
-        raise ValueError(f"must be from {low} to {high}")
-    return number
 
 
 def checked_column(

@@ -56,9 +56,9 @@ def test_defaults_may_be_left_out() -> None:
         ({"signal": "sine", "frequency": None}, "/frequency: must be a number, not NoneType"),
         (
             {"signal": "sine", "frequency": float("nan")},
-            "/frequency: must be from 0 to 20000, not nan",
+            "/frequency: must be from 0 to 20000, got nan",
         ),
-        ({"signal": "sine", "frequency": 10**400}, "/frequency: must be from 0 to 20000, not inf"),
+        ({"signal": "sine", "frequency": 10**400}, "/frequency: must be from 0 to 20000, got 1000"),
         (
             {"signal": "sine", "frequency": {"times": [0]}},
             "/frequency: must be a number or have times and values",
@@ -87,7 +87,7 @@ def test_defaults_may_be_left_out() -> None:
         ({"signal": "sum", "of": []}, "/of: must be a tuple of at least one signal"),
         (
             {"signal": "sum", "of": [{"signal": "sine"}, {"signal": "noise", "seed": 0.5}]},
-            "/of/1/seed: must be a whole number, not float",
+            "/of/1/seed: must be a whole number, not 0.5",
         ),
         ({"signal": "sum", "of": [{"signal": "sine"}, 3]}, "/of/1: must be an object"),
         (
