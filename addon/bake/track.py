@@ -23,6 +23,7 @@ from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.contact_set import ContactSet
 from ...core.diagnosis.connections import connections
 from ...core.formats.io.strict_json import parse_json
+from ...core.forms import Form
 from ...core.frozen import frozen
 from ...core.graph.haptic_graph import ObjectTable, build_graph
 from ...core.propagation import Propagation
@@ -136,7 +137,7 @@ class HapticTrack:
     row_gain: NDArray[np.float32]
     lines: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 10), dtype=np.float32))
     line_rows: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
-    digest: Mapping[str, Any] = field(default_factory=dict)
+    digest: Form = field(default_factory=dict)
     impacts: Mapping[int, str] = field(default_factory=dict)
 
     @property
@@ -354,7 +355,7 @@ def _text(value: Any, empty: bool = False) -> str:
     return value
 
 
-def _track(header: Mapping[str, Any], data: bytes, place: int) -> HapticTrack:
+def _track(header: Form, data: bytes, place: int) -> HapticTrack:
     listeners = tuple(
         TrackListener(
             _text(name), _text(part, True), _number(radius, 0, 1e6), _number(s_max, 1e-9, 1)
@@ -465,7 +466,7 @@ class BakeRecorder:
             )
         self._row_counts.append(len(result.sources))
 
-    def track(self, digest: Mapping[str, Any], frame_duration: float) -> HapticTrack:
+    def track(self, digest: Form, frame_duration: float) -> HapticTrack:
         """The track of all recorded frames. Raises ValueError if there are none."""
         if self._first is None:
             raise ValueError("There is no frame to keep")

@@ -16,6 +16,7 @@ import bpy
 from bpy.types import Object, Scene
 
 from ...core.devices.mapping import Place, map_listeners
+from ...core.forms import JsonObject
 from ...core.scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...core.scene.values import Listener
 from ..blender.single_precision import shortest
@@ -129,7 +130,7 @@ def _choice(obj: Object | None) -> str:
     return obj.haptics.live_output.actuators if obj is not None else AUTOMATIC
 
 
-def _adjusted(settings: Any) -> dict[str, Any]:
+def _adjusted(settings: Any) -> JsonObject:
     if settings is None:
         return {}
     defaults = {key: shortest(settings.bl_rna.properties[key].default) for key in ADJUSTED}

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import bpy
 
 from ...core.formats.haptic_scene import write_export
 from ...core.formats.io.atomic import staging
 from ...core.formats.io.json_text import write_compact
+from ...core.forms import Form
 from ...core.run_time.pack import PackRecorder
 from ...core.scene.values import HapticScene, SourceKind
 from ..blender.words import told
@@ -42,7 +42,7 @@ class EngineExport:
         self._first: HapticScene | None = None
         self._folder = tempfile.TemporaryDirectory()
         self._files: list[Path] = []
-        self._origin: Mapping[str, Any] = {}
+        self._origin: Form = {}
 
     def steps(self) -> Iterator[int]:
         """Trace the frames, then write glTF file and scene into a temporary folder; yields the

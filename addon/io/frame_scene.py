@@ -15,6 +15,7 @@ from bpy.types import Context, Depsgraph, Object
 
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
+from ...core.forms import JsonObject
 from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import (
@@ -218,7 +219,7 @@ def _contacts(result: FrameResult, kept: FileContacts) -> tuple[Contact, ...]:
     )
 
 
-def _extras(scene: bpy.types.Scene, frame: int) -> dict[str, Any]:
+def _extras(scene: bpy.types.Scene, frame: int) -> JsonObject:
     """The imported extras of the scene, with its frame and frame rate."""
     rate = scene.render.fps / scene.render.fps_base
     return {

@@ -8,7 +8,6 @@ extension, which can hold kappa and rho only in its extras.
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
 from typing import Any
 
 import bpy
@@ -22,6 +21,7 @@ from ...core.formats.scene.values_json import (
     read_object,
     read_source,
 )
+from ...core.forms import Form, JsonObject
 from ...core.scene.values import HapticScene
 from .frame_scene import scene_of_frame
 from .property_writer import stored_text, write_body, write_listener, write_source
@@ -29,7 +29,7 @@ from .property_writer import stored_text, write_body, write_listener, write_sour
 KEY = "haptic_tracing"
 VERSION = 1
 
-origin: Mapping[str, Any] | None = None
+origin: Form | None = None
 """The provenance of the haptic scene that is written beside the next file, if there is one."""
 
 _OF_THE_NODE = {"name", "shape", "pose", "motion", "object", "position", "second_position"}
@@ -42,12 +42,10 @@ class glTF2ExportUserExtension:
     def __init__(self) -> None:
         self.properties = bpy.context.scene.haptics.gltf
         self.materials: dict[tuple[str, float, float], int] = {}
-        self._forms: dict[str, dict[str, Any]] | None = None
+        self._forms: dict[str, JsonObject] | None = None
         self._scene: HapticScene | None = None
 
-    def gather_node_hook(
-        self, node: Any, blender_object: Any, export_settings: dict[str, Any]
-    ) -> None:
+    def gather_node_hook(self, node: Any, blender_object: Any, export_settings: JsonObject) -> None:
         """Called for every node; ``blender_object`` is None or a collection for some."""
         if not isinstance(blender_object, Object):
             return
@@ -59,14 +57,14 @@ class glTF2ExportUserExtension:
         if self.properties.use_material and node.mesh is not None and "object" in form:
             node.mesh = self._with_material(node.mesh, form["object"])
 
-    def gather_asset_hook(self, asset: Any, export_settings: dict[str, Any]) -> None:
+    def gather_asset_hook(self, asset: Any, export_settings: JsonObject) -> None:
         """Called for the head of the file: where its haptics come from."""
         self._form("", export_settings)
         if self.properties.use_extras and self._scene is not None:
             asset.extras = {**(asset.extras or {}), KEY: origin or provenance_of(self._scene)}
 
     def gather_scene_hook(
-        self, scene: Any, blender_scene: Any, export_settings: dict[str, Any]
+        self, scene: Any, blender_scene: Any, export_settings: JsonObject
     ) -> None:
         """Called for the scene: the settings."""
         self._form("", export_settings)
@@ -75,7 +73,7 @@ class glTF2ExportUserExtension:
             settings = {key: json_value(getattr(self._scene.settings, key)) for key in keys}
             scene.extras = {**(scene.extras or {}), KEY: {"version": VERSION, "settings": settings}}
 
-    def gather_gltf_extensions_hook(self, gltf: Any, export_settings: dict[str, Any]) -> None:
+    def gather_gltf_extensions_hook(self, gltf: Any, export_settings: JsonObject) -> None:
         """Called for the whole file: the haptic materials."""
         if not self.materials:
             return
@@ -87,7 +85,7 @@ class glTF2ExportUserExtension:
             self.properties.material_name, {"materials": materials}
         )
 
-    def _form(self, name: str, export_settings: dict[str, Any]) -> dict[str, Any] | None:
+    def _form(self, name: str, export_settings: JsonObject) -> JsonObject | None:
         """The haptic properties of an object; None without a role."""
         if self._forms is None:
             self._forms = {}
@@ -103,7 +101,7 @@ class glTF2ExportUserExtension:
                     self._forms = forms_of(self._scene, export_settings.get("gltf_yup", True))
         return self._forms.get(name)
 
-    def _with_material(self, mesh: Any, form: dict[str, Any]) -> Any:
+    def _with_material(self, mesh: Any, form: JsonObject) -> Any:
         """The mesh with its haptic material; a copy, since objects of different materials may share
         one."""
         material = form.get("material", "") or f"kappa {form['kappa']:g}, rho {form['rho']:g}"
@@ -119,9 +117,9 @@ class glTF2ExportUserExtension:
         return mesh
 
 
-def forms_of(scene: HapticScene, y_up: bool) -> dict[str, dict[str, Any]]:
+def forms_of(scene: HapticScene, y_up: bool) -> dict[str, JsonObject]:
     """The haptic properties of each object, source and listener, by name."""
-    forms: dict[str, dict[str, Any]] = {}
+    forms: dict[str, JsonObject] = {}
     for role, items in (
         ("object", scene.objects),
         ("source", scene.sources),
@@ -147,7 +145,7 @@ def _turned(vector: tuple[float, float, float], y_up: bool) -> list[float]:
     return [x, z, -y] if y_up else [x, y, z]
 
 
-def _extension(name: str, content: dict[str, Any]) -> Any:
+def _extension(name: str, content: JsonObject) -> Any:
     from io_scene_gltf2.io.com.gltf2_io_extensions import Extension
 
     return Extension(name=name, extension=content, required=False)
@@ -173,11 +171,11 @@ class glTF2ImportUserExtension:
             )
 
 
-def read_roles(obj: Object, form: dict[str, Any]) -> None:
+def read_roles(obj: Object, form: JsonObject) -> None:
     """Give an object the roles of its node. Raises ValueError, TypeError or KeyError for invalid
     ones."""
     nowhere = {"name": obj.name, "object": obj.name, "position": [0.0, 0.0, 0.0]}
-    items: dict[str, Any] = {
+    items: JsonObject = {
         role: make(
             {key: value for key, value in {**base, **form[role]}.items() if key != "second_object"},
             (role,),

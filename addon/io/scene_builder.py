@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +16,7 @@ from ...core.contacts.shapes import Box, Shape
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of, without_rubbing
 from ...core.formats.scene.values_json import item_to_dict
+from ...core.forms import Form
 from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.values import Contact, HapticObject, Listener, Pose, Source, Vector
@@ -239,7 +240,7 @@ class _Builder:
         ):
             self.lose("time scale, which a rigid body world has here", f"{rules.time_scale:g}")
 
-    def _take_time(self, known: Mapping[str, Any]) -> None:
+    def _take_time(self, known: Form) -> None:
         rate, start = (known.get(key) for key in ("frame_rate", "frame_start"))
         if isinstance(rate, int | float) and 1 <= rate <= 10_000:
             set_frame_rate(self.scene, float(rate))

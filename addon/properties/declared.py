@@ -31,12 +31,13 @@ from ...core.declaration import (
     default_of,
     shown,
 )
+from ...core.forms import Form
 from ..blender.single_precision import authored
 
 _Group = TypeVar("_Group", bound=type)
 _LEAST = float(np.finfo(np.float32).tiny)
 """The least number above 0 that a property holds."""
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
+_NOTHING: Form = MappingProxyType({})
 _IDENTIFIERS = {"": "NONE", "by_material": "MATERIALS", "plain": "PLAIN"}
 """Blender's identifiers of values that have others in the core."""
 _NUMBERS = {"best_path": 1, "all_paths": 2, "energy_balance": 3, "as_in_the_paper": 4}
@@ -44,7 +45,7 @@ _NUMBERS = {"best_path": 1, "all_paths": 2, "energy_balance": 3, "as_in_the_pape
 
 
 def holding(
-    cls: type, *only: str, more: Mapping[str, Mapping[str, Any]] = _NOTHING, **names: str
+    cls: type, *only: str, more: Mapping[str, Form] = _NOTHING, **names: str
 ) -> Callable[[_Group], _Group]:
     """Decorator: the group gets a property for each field of ``cls`` that has a label, after its
     own properties.
@@ -75,7 +76,7 @@ def holding(
     return decorate
 
 
-def _property(cls: type, key: str, declaration: Declaration, more: Mapping[str, Any]) -> Any:
+def _property(cls: type, key: str, declaration: Declaration, more: Form) -> Any:
     """The property of a field."""
     unit = getattr(declaration, "unit", "")
     default = default_of(cls, key) if declaration.shown is None else declaration.shown
@@ -167,7 +168,7 @@ def _values_of(cls: type, key: str) -> dict[str, Any]:
     return {identifier(value): value for value in declared(cls)[key].items}  # type: ignore[attr-defined]
 
 
-def read_values(cls: type, group: Any, stored: Mapping[str, Any]) -> dict[str, Any]:
+def read_values(cls: type, group: Any, stored: Form) -> dict[str, Any]:
     """The values of the fields of ``cls`` that the properties of ``group`` hold, and those
     ``stored`` of the others. A stored value counts as long as its property holds it, which may be
     with fewer digits."""

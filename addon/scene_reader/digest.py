@@ -7,7 +7,7 @@ aspect.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
 from itertools import chain
 from pathlib import Path
@@ -18,6 +18,7 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import ID, NodeTree, Object, PropertyGroup, Scene
 
+from ...core.forms import Form, JsonObject
 from ...core.regular_file import open_regular
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_in, fcurves_of
@@ -29,7 +30,7 @@ from .present import present_objects
 from .roles import is_tagged, regions_of
 from .triggers import marker_frames
 
-Digest = dict[str, Any]
+Digest = JsonObject
 
 _MOST_CHANGES = 6
 _WHOLES = (
@@ -125,7 +126,7 @@ _BODY = (
 def digest_of(scene: Scene) -> Digest:
     """The current digest of a scene, which does not depend on the current frame."""
     animated, animation = _animation(scene)
-    settings: dict[str, Any] = {"metres per unit": metres_per_unit(scene)}
+    settings: JsonObject = {"metres per unit": metres_per_unit(scene)}
     rules = [animation]
     for key, value in _values(scene.haptics, animated, "haptics."):
         if scene.haptics.bl_rna.properties[key].type in _PLAIN_TYPES:
@@ -163,7 +164,7 @@ def motion_of(scene: Scene) -> str:
     return _sum([_physics(scene), motions, *units])
 
 
-def changes(before: Mapping[str, Any], now: Digest) -> tuple[Change, ...]:
+def changes(before: Form, now: Digest) -> tuple[Change, ...]:
     """The changes between two digests: the first few, and the number of further ones. ``before``
     comes from a file and may be invalid."""
     was = _mapping(before.get("settings"))
@@ -191,7 +192,7 @@ def words_for(change: Change) -> str:
     return iface_(TEXTS[kind]).format(*values)
 
 
-def _mapping(value: Any) -> Mapping[str, Any]:
+def _mapping(value: Any) -> Form:
     return value if isinstance(value, dict) else {}
 
 

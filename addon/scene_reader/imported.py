@@ -22,6 +22,7 @@ from ...core.formats.io.strict_json import parse_json
 from ...core.formats.scene.recording import by_pair, pair_of
 from ...core.formats.scene.scene_json import FORMAT, VERSION, scene_from_dict
 from ...core.formats.scene.values_json import item_to_dict, read_members
+from ...core.forms import Form, JsonObject
 from ...core.frozen import frozen
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.impact_rule import ImpactLimits
@@ -67,7 +68,7 @@ def text_of_contacts(
 
 
 @lru_cache(maxsize=8192)
-def stored_item(text: str, name: str) -> Mapping[str, Any]:
+def stored_item(text: str, name: str) -> Form:
     """The stored fields of an item, as values of the core, without its name and the names of other
     objects, which are those of Blender's objects.
 
@@ -122,13 +123,13 @@ def _in_terms_of_files(form: Any, name: str) -> Any:
     return {**form, **{key: value for key, value in numbers.items() if "." not in key}}
 
 
-def stored_extras(text: str) -> Mapping[str, Any]:
+def stored_extras(text: str) -> Form:
     """The stored extras of a scene."""
-    extras: Mapping[str, Any] = stored(text, "scene").get("extras", {})
+    extras: Form = stored(text, "scene").get("extras", {})
     return extras
 
 
-def fields_of(item: Any) -> dict[str, Any]:
+def fields_of(item: Any) -> JsonObject:
     """The values of the declared fields of an item, {} for None."""
     return {} if item is None else {key: getattr(item, key) for key in declared(item.__class__)}
 
@@ -216,7 +217,7 @@ def _validator(kind: str) -> Callable[[Any], Any]:
     return validate
 
 
-def stored(text: str, kind: str) -> dict[str, Any]:
+def stored(text: str, kind: str) -> JsonObject:
     """The document that a property stores; an empty one for no text. Raises ValueError if it is
     invalid."""
     if not text:
@@ -232,7 +233,7 @@ def stored(text: str, kind: str) -> dict[str, Any]:
                 f"{'/'.join(map(str, error.path[1:])) or 'it'} "
                 f"{error.message.removeprefix(error.name or '').strip()}"
             ) from None
-    return cast(dict[str, Any], document)
+    return cast(JsonObject, document)
 
 
 @contextmanager

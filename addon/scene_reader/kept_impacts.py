@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
 from ...core.contacts.impact_sources import ActiveImpact, FrameImpacts
 from ...core.contacts.impacts import Impact
 from ...core.contacts.one_shots import Shot
+from ...core.forms import JsonObject
 from ...core.scene.values import TriggerKind
 from .imported import stored, with_floats
 
@@ -61,7 +61,7 @@ def impacts_from_text(
     return FrameImpacts(float(form["start"]), sounding, poses, shots) if sounding or shots else None
 
 
-def _sounding(item: dict[str, Any], row: dict[str, int]) -> ActiveImpact:
+def _sounding(item: JsonObject, row: dict[str, int]) -> ActiveImpact:
     first, second = item["objects"]
     values = {
         key: with_floats(item[key])

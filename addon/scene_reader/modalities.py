@@ -8,6 +8,7 @@ from typing import Any
 from bpy.types import Object, Scene
 
 from ...core.declaration import declared
+from ...core.forms import JsonObject
 from ...core.modalities import Modality
 from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.functions import ALL_FUNCTIONS
@@ -76,7 +77,7 @@ def read_modality(modality: Modality, scene: Scene, names: set[str]) -> Modality
     )
 
 
-def _values(cls: type, group: Any, numbers: Mapping[str, float]) -> dict[str, Any]:
+def _values(cls: type, group: Any, numbers: Mapping[str, float]) -> JsonObject:
     """The values of the fields of ``cls``; ``numbers``: those of a file by property."""
     known = {key: numbers[name] for key, name in group.held.get(cls, {}).items() if name in numbers}
     return read_values(cls, group, known)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
@@ -13,6 +13,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
 from ...core.formats import registry
+from ...core.forms import Form, JsonObject
 from ...core.scene.impact_rule import ImpactLimits, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import MOST_ROWS, Rule, RuleTable, Side
 from ...core.scene.texture import Texture
@@ -31,15 +32,13 @@ _ABSENT = {
 }
 
 
-def read_tables(
-    scene: Scene, objects: Iterable[HapticObject]
-) -> tuple[dict[str, Any], list[Problem]]:
+def read_tables(scene: Scene, objects: Iterable[HapticObject]) -> tuple[JsonObject, list[Problem]]:
     """The tables of rules of a scene, by their names in `ContactSettings`, and the problems of
     their rows. ``objects``: the haptic objects, which rows may name."""
     known = [(item.name, item.material) for item in objects] + [
         ("", item.name) for item in scene.haptics.materials.items
     ]
-    tables: dict[str, Any] = {}
+    tables: JsonObject = {}
     problems = []
     for table, read in _READERS.items():
         rules: list[Rule[Any]] = []
@@ -104,7 +103,7 @@ def read_texture(row: Any) -> tuple[Texture, str]:
     return Texture(**read_values(Texture, row, stored)), fault
 
 
-def _stored(row: Any, name: str) -> tuple[Mapping[str, Any], str]:
+def _stored(row: Any, name: str) -> tuple[Form, str]:
     """The stored item of a row, and why it is damaged."""
     try:
         return stored_item(row.imported, name), ""

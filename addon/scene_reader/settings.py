@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from bpy.types import Scene
 
 from ...core.contacts.settings import ContactSettings
+from ...core.forms import Form
 from ...core.scene.values import Settings, Vector
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
@@ -34,7 +34,7 @@ def read_settings(scene: Scene) -> Settings:
     return Settings(**read_values(Settings, scene.haptics, _stored(scene, "settings")))
 
 
-def read_contact_settings(scene: Scene, tables: Mapping[str, Any]) -> ContactSettings:
+def read_contact_settings(scene: Scene, tables: Form) -> ContactSettings:
     """The settings of contacts and impacts of a scene with these tables, see
     `rules.read_tables`."""
     values = read_values(ContactSettings, scene.haptics, _stored(scene, "rules"))
@@ -55,7 +55,7 @@ def gravity_of(scene: Scene) -> Vector:
     return x, y, z
 
 
-def _stored(scene: Scene, name: str) -> Mapping[str, Any]:
+def _stored(scene: Scene, name: str) -> Form:
     try:
         return stored_item(scene.haptics.imported, name)
     except ValueError:  # the reader reports it

@@ -4,7 +4,7 @@ socket."""
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from ...core.formats.io.error import FormatError, json_pointer
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import parse_json
+from ...core.forms import Form, JsonObject
 from ...core.run_time import Run, Scene, Step
 from ...core.run_time import open as open_run
 from ...core.scene.references import PlacedError
@@ -23,7 +24,7 @@ MOST_OBJECTS = 10_000
 MESSAGES = ("hello", "step", "add", "replace", "remove", "play", "stop")
 RATE = 8000.0
 
-Answer = dict[str, Any] | bytes
+Answer = JsonObject | bytes
 
 
 class Stage(Protocol):
@@ -108,7 +109,7 @@ class Conversation:
             raise PlacedError(("object",), f"more than {MOST_OBJECTS}: the scene is dropped")
         return [self.scene()]
 
-    def _hello(self, message: Mapping[str, Any]) -> dict[str, Any]:
+    def _hello(self, message: Form) -> JsonObject:
         names = ("up", "handedness", "metres_per_unit")
         self._convention = Convention(**{key: message[key] for key in names if key in message})
         scene = self._scene
@@ -131,7 +132,7 @@ class Conversation:
         self.run = open_run(scene, message.get("sample_rate", RATE))
         return self.scene()
 
-    def scene(self) -> dict[str, Any]:
+    def scene(self) -> JsonObject:
         """The message that names what the run has."""
         assert self.run is not None
         return {
@@ -146,7 +147,7 @@ class Conversation:
             **({"warnings": self._warnings} if self._warnings else {}),
         }
 
-    def _step(self, run: Run, message: Mapping[str, Any]) -> list[Answer]:
+    def _step(self, run: Run, message: Form) -> list[Answer]:
         given = dict(message)
         for key in ("type", "id", "samples", "velocities"):
             given.pop(key, None)
@@ -158,7 +159,7 @@ class Conversation:
         frame = frame_message(step, message.get("id"), self._convention)
         return [frame, step.block.astype("<f4").tobytes()] if message.get("samples") else [frame]
 
-    def _converted(self, given: dict[str, Any]) -> dict[str, Any]:
+    def _converted(self, given: JsonObject) -> JsonObject:
         """The arguments of a step in the axes and units of scenes."""
         own = self._convention
         if poses := given.get("poses"):
@@ -182,12 +183,12 @@ class Conversation:
         return given
 
 
-def _contact(form: Mapping[str, Any], own: Convention) -> dict[str, Any]:
+def _contact(form: Form, own: Convention) -> JsonObject:
     placed = {**form, "positions": [own.position(place) for place in form["positions"]]}
     return placed | {"normal": own.direction(form["normal"])} if "normal" in form else placed
 
 
-def frame_message(step: Step, name: Any, convention: Convention) -> dict[str, Any]:
+def frame_message(step: Step, name: Any, convention: Convention) -> JsonObject:
     """The answer to a step."""
     return {
         "type": "frame",
@@ -216,11 +217,11 @@ def frame_message(step: Step, name: Any, convention: Convention) -> dict[str, An
     }
 
 
-def _error(name: Any, where: str, reason: str) -> dict[str, Any]:
+def _error(name: Any, where: str, reason: str) -> JsonObject:
     known = {"id": name} if isinstance(name, int | str) and not isinstance(name, bool) else {}
     return {"type": "error", **known, "where": where, "message": reason}
 
 
-def text_of(answer: dict[str, Any]) -> str:
+def text_of(answer: JsonObject) -> str:
     """An answer as JSON."""
     return json.dumps(answer, ensure_ascii=False, allow_nan=False, separators=(",", ":"))

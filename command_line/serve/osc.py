@@ -9,6 +9,7 @@ from pythonosc.dispatcher import Dispatcher
 from pythonosc.osc_server import BlockingOSCUDPServer
 from pythonosc.udp_client import SimpleUDPClient
 
+from ...core.forms import JsonObject
 from .conversation import Conversation, text_of
 
 
@@ -53,7 +54,7 @@ class OscDoor:
     def _stop(self, client: tuple[str, int], address: str, *values: Any) -> None:
         self._say(client, {"type": "stop"})
 
-    def _say(self, client: tuple[str, int], message: dict[str, Any]) -> None:
+    def _say(self, client: tuple[str, int], message: JsonObject) -> None:
         """Answer a message to where it came from."""
         to = SimpleUDPClient(*client[:2])
         for answer in self._conversation.answer(text_of(message)):

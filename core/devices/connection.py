@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol
 
+from ..forms import Form
 from ..frozen import frozen
 from .families.family import AnyFamily, HidDevice, Interface, is_gamepad
 from .families.registry import families_of
@@ -49,7 +50,7 @@ class HidModule(Protocol):
     """The part of cython-hidapi's module that is used. A replacement may enumerate interfaces
     instead of dictionaries."""
 
-    def enumerate(self) -> Iterable[Mapping[str, Any] | Interface]: ...
+    def enumerate(self) -> Iterable[Form | Interface]: ...
     def device(self) -> HidDevice: ...
 
 

@@ -11,7 +11,7 @@ import json
 import logging
 import socket
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from importlib import import_module
@@ -20,6 +20,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from ..formats.io.strict_json import parse_json
+from ..forms import Form, JsonObject
 from ..frozen import frozen
 from .connection import DeviceError, StandInModule, carried_module
 from .families.family import HidDevice, Interface
@@ -116,7 +117,7 @@ class Connection:
                 self.broken = True
                 raise OSError(f"the player closed the connection: {error}") from None
 
-    def ask(self, message: Mapping[str, Any], wanted: str) -> dict[str, Any]:
+    def ask(self, message: Form, wanted: str) -> JsonObject:
         """Send a Buttplug message and wait for the answer of the ``wanted`` kind. Raises
         DeviceError."""
         end = monotonic() + ANSWER_WITHIN
@@ -161,7 +162,7 @@ class Connection:
             self._resources.close()
 
 
-def messages_of(text: str | bytes) -> list[tuple[str, dict[str, Any]]]:
+def messages_of(text: str | bytes) -> list[tuple[str, JsonObject]]:
     """The messages of a Buttplug packet, with their kinds. Raises ValueError."""
     packet = parse_json(text.encode() if isinstance(text, str) else text, "its message")
     if not isinstance(packet, list) or not all(isinstance(message, dict) for message in packet):

@@ -11,10 +11,10 @@ import itertools
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any
 
 from ..formats.io.error import FormatError
 from ..formats.io.schema import validate
+from ..forms import Form, JsonObject
 from ..scene.bhaptics import DEVICES, region
 from ..scene.body import BODY_PARTS
 from .connection import DeviceError, StandInModule
@@ -110,7 +110,7 @@ def intiface(url: str = INTIFACE) -> tuple[tuple[Profile, StandInModule], ...]:
     return devices_of(player, listed)
 
 
-def devices_of(player: Player, listed: dict[str, Any]) -> tuple[tuple[Profile, StandInModule], ...]:
+def devices_of(player: Player, listed: JsonObject) -> tuple[tuple[Profile, StandInModule], ...]:
     """The devices with motors in Intiface's DeviceList. Raises DeviceError where it is
     malformed."""
     devices = _checked(listed, "DeviceList")["Devices"]
@@ -126,14 +126,14 @@ def _greet(connection: Connection) -> None:
         connection.ping_every(seconds, _PING)
 
 
-def ping_seconds(info: dict[str, Any]) -> float | None:
+def ping_seconds(info: JsonObject) -> float | None:
     """Seconds between two pings that Intiface's ServerInfo asks for; None for no pings. Raises
     DeviceError where it is malformed."""
     milliseconds = _checked(info, "ServerInfo").get("MaxPingTime") or 0
     return max(milliseconds, _SHORTEST_PING) / 1000 / _PINGS_IN_TIME if milliseconds else None
 
 
-def _checked(content: dict[str, Any], kind: str) -> dict[str, Any]:
+def _checked(content: JsonObject, kind: str) -> JsonObject:
     """A message of Intiface as ``intiface.schema.json`` defines it. Raises DeviceError with the
     place of a fault."""
     try:
@@ -143,7 +143,7 @@ def _checked(content: dict[str, Any], kind: str) -> dict[str, Any]:
     return content
 
 
-def _motors(device: Mapping[str, Any]) -> list[int]:
+def _motors(device: Form) -> list[int]:
     commands = device["DeviceMessages"].get("ScalarCmd", [])
     return [
         number
@@ -152,7 +152,7 @@ def _motors(device: Mapping[str, Any]) -> list[int]:
     ]
 
 
-def _intiface_device(player: Player, device: Mapping[str, Any]) -> tuple[Profile, StandInModule]:
+def _intiface_device(player: Player, device: Form) -> tuple[Profile, StandInModule]:
     index = int(device["DeviceIndex"])
     motors = _motors(device)
     names = [f"motor {number + 1}" for number in range(len(motors))]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 from ..declaration import declared
 from ..formats.io.error import FormatError, errors_in
 from ..formats.io.schema import validate
 from ..formats.io.strict_json import parse_json, read_bytes
+from ..forms import Form, JsonObject
 from ..scene.body import BODY_PART
 from ..scene.references import Place, PlacedError, named
 from ..scene.values import Listener
@@ -31,7 +31,7 @@ def parse_profile(data: bytes, file: str | Path) -> Profile:
         return _profile(document)
 
 
-def _profile(document: Mapping[str, Any]) -> Profile:
+def _profile(document: Form) -> Profile:
     family = FAMILIES.get(document["family"])
     if family is None:
         raise PlacedError(
@@ -60,7 +60,7 @@ def _profile(document: Mapping[str, Any]) -> Profile:
     )
 
 
-def _actuator(place: Place, data: Mapping[str, Any]) -> Actuator:
+def _actuator(place: Place, data: Form) -> Actuator:
     for i, part in enumerate(data["body_parts"]):
         if part not in BODY_PART:
             raise PlacedError(
@@ -80,7 +80,7 @@ def _actuator(place: Place, data: Mapping[str, Any]) -> Actuator:
         full_scale = declared(Listener)["full_scale"].checked(data.get("full_scale", ()))
     except ValueError as error:
         raise PlacedError((*place, "full_scale"), str(error)) from None
-    values: dict[str, Any] = {
+    values: JsonObject = {
         key: tuple(value) if isinstance(value, list) else value for key, value in data.items()
     }
     return Actuator(

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import FloatArray
+from ..forms import Form
 from ..frozen import frozen
 from .actuation import HOP, checked_block
 from .connection import DeviceError, carried_module
@@ -110,7 +111,7 @@ def sound_cards(module: Any) -> tuple[SoundCard, ...]:
     )
 
 
-def _actuators(device: Mapping[str, Any]) -> tuple[Actuator, ...]:
+def _actuators(device: Form) -> tuple[Actuator, ...]:
     channels = device["max_output_channels"]
     used: Mapping[int, tuple[str, str]] = {
         number: (f"channel {number + 1}", "") for number in range(min(channels, _MOST_CHANNELS))

@@ -5,11 +5,12 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...forms import Form
 from ...frozen import frozen
 from ..report import Report, Tones, Transport, levels
 
@@ -53,7 +54,7 @@ class Interface:
         return self.title or f"{self.vendor:04x}:{self.product:04x}"
 
     @classmethod
-    def of(cls, entry: Mapping[str, Any]) -> Interface:
+    def of(cls, entry: Form) -> Interface:
         """From hidapi's dictionary. If the bus is unknown, interfaces with a number are USB."""
         bus = int(entry.get("bus_type") or 0)
         number = int(entry["interface_number"])

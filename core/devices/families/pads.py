@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from ...forms import Form
 from ..report import Report, Tones, Transport, percent, unsigned8, unsigned16, with_crc
 from .family import RESEND, RumbleFamily
 
@@ -37,7 +38,7 @@ def _part(word: str, drive: Tones, sequence: int) -> bytes:
 
 
 def _encode(
-    reports: Mapping[str, Mapping[str, Any]], drive: Tones, transport: Transport, sequence: int
+    reports: Mapping[str, Form], drive: Tones, transport: Transport, sequence: int
 ) -> Report:
     form = reports.get(transport) or reports["any"]
     layout = form["layout"] if any(drive.amplitudes) else form.get("silent", form["layout"])

@@ -9,13 +9,14 @@ the wave, with the impacts in it, and there is no emphasis.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...arrays import FloatArray
+from ...forms import Form, JsonObject
 from ..io.error import FormatError
 from ..io.json_text import json_points, write_compact, write_json
 from ..io.left_out import without_damaged
@@ -37,7 +38,7 @@ _PARTS = ((*_ENVELOPES, "frequency"), (*_ENVELOPES, "amplitude", "*", "emphasis"
 _QUEST = (55.0, 200.0)
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
     low, high = _range(options)
     yield from common_losses(export.need_tracks(), body=False)
@@ -46,14 +47,12 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
     yield "the strength of players: amplitude and frequency are shares of what an actuator can do"
 
 
-def measures(options: Mapping[str, Any]) -> Measures:
+def measures(options: Form) -> Measures:
     """How the files can be compared with the tracks."""
     return Measures(Kind.SPECTRUM if options["points"] else Kind.WAVE, *_range(options))
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.haptic`` and ``.acf`` for each listener."""
     low, high = _range(options)
     files = []
@@ -74,7 +73,7 @@ def write(
     return files
 
 
-def _range(options: Mapping[str, Any]) -> tuple[float, float]:
+def _range(options: Form) -> tuple[float, float]:
     low = options["frequency_min"]
     high = options["frequency_max"]
     if low >= high:
@@ -89,7 +88,7 @@ def _document(
     low: float,
     high: float,
     bursts: Sequence[Burst],
-) -> dict[str, Any]:
+) -> JsonObject:
     """The document of a listener's file.
 
     Args:
@@ -122,7 +121,7 @@ def _document(
     }
 
 
-def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[dict[str, Any]]:
+def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[JsonObject]:
     """The breakpoints of the amplitude, and one with an emphasis for each burst: players add what
     it exceeds the envelope by."""
     times, levels = carrier.amplitude_times, carrier.amplitudes
@@ -157,7 +156,7 @@ def _burst_form(frequency: float) -> tuple[float, float]:
 
 def _configuration(
     export: TrackExport, listener: ListenerTrack, low: float, high: float
-) -> dict[str, Any]:
+) -> JsonObject:
     emphasis = {
         key: {"output_frequency": frequency, "duration_ms": milliseconds, "shape": shape}
         for key, (frequency, milliseconds, shape) in _EMPHASIS.items()
@@ -236,9 +235,7 @@ def _clip_slight_excess(document: Any) -> bool:
     return clipped
 
 
-def _carriers(
-    envelopes: Mapping[str, Any], low: float, high: float, path: str | Path
-) -> tuple[Carrier, ...]:
+def _carriers(envelopes: Form, low: float, high: float, path: str | Path) -> tuple[Carrier, ...]:
     """The oscillation of the envelopes, and the carriers of emphases. Raises FormatError for times
     that decrease."""
     place = "/signals/continuous/envelopes"
@@ -263,7 +260,7 @@ def _carriers(
 
 
 def _points(
-    path: str | Path, points: list[Mapping[str, Any]], place: str, key: str
+    path: str | Path, points: list[Form], place: str, key: str
 ) -> tuple[FloatArray, FloatArray]:
     times = np.array([point["time"] for point in points], dtype=np.float64)
     backwards = np.flatnonzero(np.diff(times) < 0)

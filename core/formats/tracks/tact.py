@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
+from ...forms import Form, JsonObject
 from ...scene.bhaptics import DEVICES, region
 from ...scene.body import BODY_PARTS
 from ..io.budget import Budget
@@ -88,7 +89,7 @@ def _together(driven: Mapping[str, Mapping[int, list[int]]]) -> dict[int, list[i
     }
 
 
-def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
+def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the files do not carry, one sentence each. Raises ValueError if no listener is at a part
     of the body where a device is worn."""
     tracks = export.need_tracks()
@@ -107,14 +108,12 @@ def loss(export: TrackExport, options: Mapping[str, Any]) -> Iterator[str]:
         yield f"listeners where no device is worn: {', '.join(absent)}"
 
 
-def measures(options: Mapping[str, Any]) -> Measures:
+def measures(options: Form) -> Measures:
     """How the files can be compared with the tracks."""
     return Measures(Kind.LEVEL)
 
 
-def write(
-    export: TrackExport, folder: Path, options: Mapping[str, Any], measured: Comparison
-) -> list[Path]:
+def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.<device>.tact`` for each device that a listener wears."""
     tracks = export.need_tracks()
     driven = motors(tracks)
@@ -142,7 +141,7 @@ def write(
     return files
 
 
-def _mode(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> dict[str, Any]:
+def _mode(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> JsonObject:
     return {
         "mode": "DOT_MODE",
         "dotMode": {"dotConnected": False, "feedback": list(_feedback(indices, steps, levels))},
@@ -161,7 +160,7 @@ def _mode(indices: Mapping[int, list[int]], steps: IntArray, levels: int) -> dic
 
 def _feedback(
     indices: Mapping[int, list[int]], steps: IntArray, levels: int
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[JsonObject]:
     """Intervals in which no motor changes, except silent ones."""
     if not indices or not steps.shape[1]:
         return
@@ -185,8 +184,8 @@ def _feedback(
 
 
 def _document(
-    export: TrackExport, tracks: Tracks, device: str, name: str, modes: dict[str, Any]
-) -> dict[str, Any]:
+    export: TrackExport, tracks: Tracks, device: str, name: str, modes: JsonObject
+) -> JsonObject:
     """The document of a file for one device.
 
     Args:
@@ -310,7 +309,7 @@ class _Player:
         self._times = np.arange(first, max(first, last)) * INTERVAL - start
         self.steps = 0
 
-    def play(self, mode: Mapping[str, Any]) -> None:
+    def play(self, mode: Form) -> None:
         """Add the mode that the effect uses."""
         if mode["mode"] == "PATH_MODE":
             for feedback in mode["pathMode"]["feedback"]:
@@ -326,7 +325,7 @@ class _Player:
                 ):
                     self._add(here, np.outer(dots, fade(share)))
 
-    def _dots(self, feedback: Mapping[str, Any]) -> FloatArray:
+    def _dots(self, feedback: Form) -> FloatArray:
         """The strength of each motor in an interval; a motor that is named several times has the
         sum."""
         strengths = np.zeros(len(self._places))
@@ -335,7 +334,7 @@ class _Player:
                 strengths[int(point["index"])] += point["intensity"]
         return strengths
 
-    def _play_connected(self, feedback: Sequence[Mapping[str, Any]]) -> None:
+    def _play_connected(self, feedback: Sequence[Form]) -> None:
         """Dots that blend: the strength of a motor is linear between the beginnings of the
         intervals, whose fades do not count."""
         intervals = sorted(feedback, key=lambda interval: interval["startTime"])
@@ -345,7 +344,7 @@ class _Player:
             for here, share in self._between(one["startTime"], other["startTime"]):
                 self._add(here, np.outer(before, 1 - share) + np.outer(after, share))
 
-    def _play_path(self, feedback: Mapping[str, Any]) -> None:
+    def _play_path(self, feedback: Form) -> None:
         """A point that moves between motors. A fade applies between every two points of the path; a
         single point stays for the whole effect."""
         points = sorted(feedback["pointList"], key=lambda point: point["time"])
