@@ -272,7 +272,7 @@ MISTAKES: dict[str, Mistake] = {
     "signal above hearing": Mistake(
         ("sources", 0, "signal", "frequency"),
         100000.0,
-        "/sources/0/signal/frequency: must be from 0 to 20000, not 100000",
+        "/sources/0/signal/frequency: must be from 0 to 20000, got 100000.0",
     ),
     "listener on a stranger": Mistake(
         ("listeners", 0, "object"), "chair", "/listeners/0/object: there is no object 'chair'"
