@@ -54,9 +54,12 @@ def preset_in(scene: Scene, material: Material) -> HapticMaterial:
 def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
     """Assign a material to objects: they take its values, now and when it changes; physical ones
     also the damping of a preset."""
-    depsgraph = bpy.context.evaluated_depsgraph_get()
+    physical = _physical_ones(objects)
+    # Many objects are built one by one: each evaluation would take as long as the scene is large.
+    depsgraph = bpy.context.evaluated_depsgraph_get() if physical else None
     _assign(objects, item)
-    _make_physical(_physical_ones(objects), depsgraph)
+    if depsgraph is not None:
+        _make_physical(physical, depsgraph)
 
 
 def _assign(objects: Sequence[Object], item: HapticMaterial) -> None:

@@ -11,6 +11,7 @@ from haptic_tracing.core.scene.body import DEFAULT_LISTENERS, PAPER_LISTENERS
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
 
 FRAMES = 4
+MOST_EVALUATIONS = 30
 IMPORTED = ("kart", "kitchen", "boardwalk", "robot_cell")
 """Samples of imported content: names with numbers, few rigid bodies, the twelve listeners of *Add
 Body Listeners*."""
@@ -80,8 +81,12 @@ def test_first_frames_are_traced_without_a_problem_and_built_again_it_plays_besi
         assert result.warnings == session.problems_of(scene) == ()
     assert len(result.listeners) == len(listeners_of(name))
     names = sorted(obj.name for obj in scene.objects)
+    evaluated = []
+    bpy.app.handlers.depsgraph_update_post.append(lambda *_: evaluated.append(None))
     with suspended():
         second = build_sample(name)
+    bpy.app.handlers.depsgraph_update_post.pop()
+    assert len(evaluated) <= MOST_EVALUATIONS  # not one for each object
     assert sorted(obj.name for obj in scene.objects) == names
     assert sorted(plain(obj.name) for obj in second.objects) == sorted(map(plain, names))
     assert not set(scene.objects) & set(second.objects)
