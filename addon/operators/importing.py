@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 from bpy.props import StringProperty
-from bpy.types import Context, Event, Operator
+from bpy.types import Context, Event, Object, Operator
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
@@ -15,9 +15,11 @@ from ..blender.polling import SOLID_TYPES, Edit, OnActive
 from ..blender.words import told
 from ..io import scene_builder, vibration_signal
 from ..properties.kinds import switch, whole
+from ..properties.sound import SOUNDS, sound_path
 from ..scene_reader import imported
 from ..scene_reader.roles import haptic_carrier
 from .exporting import MOST_REPORTED
+from .signals import convert_sound
 
 
 class _FromFile(Edit):
@@ -75,20 +77,10 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
         reading = registry.read(bpy.path.abspath(self.filepath))
         channel = vibration_signal.chosen_channel(reading, self.channel)
         signal = vibration_signal.signal_of(channel, self.loop)
-        if haptic_carrier(obj) is None:
-            if obj.type not in SOLID_TYPES:
-                raise ValueError(
-                    told(
-                        "'{}' has no surface: parent it to a haptic object, so that it has something "
-                        "to shake",
-                        obj.name,
-                    )
-                )
-            obj.haptics.enabled = True
+        _let_shake(obj)
         source = obj.haptics.source
         source.imported = imported.text_of(signal=signal.to_dict())
         source.signal = "KEPT"
-        source.enabled = True
         for loss in reading.losses[:MOST_REPORTED]:
             self.report({"WARNING"}, loss)
         self.report(
@@ -103,3 +95,33 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
                 len(reading.channels),
             ),
         )
+
+
+class HAPTIC_OT_import_sound(_FromFile, OnActive, Operator):
+    """Let the active object emit the vibration of a sound, which Sound to Vibration converts; it is kept with this file"""
+
+    bl_label = "Import Sound"
+
+    filter_glob: StringProperty(
+        default=";".join(f"*{suffix}" for suffix in SOUNDS), options={"HIDDEN"}
+    )
+    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
+
+    def apply(self, context: Context) -> set[str]:
+        source = context.object.haptics.source
+        sound_path(context.object, self.filepath)
+        _let_shake(context.object)
+        source.signal, source.sound.origin = "SOUND", "FILE"
+        source.sound.filepath, source.sound.loop = self.filepath, self.loop
+        return convert_sound(self, context)
+
+
+def _let_shake(obj: Object) -> None:
+    """Make an object a source, and haptic unless it is on one that is. Raises ValueError if it
+    cannot be."""
+    if haptic_carrier(obj) is None:
+        if obj.type not in SOLID_TYPES:
+            words = "'{}' has no surface: parent it to a haptic object, so that it has something to shake"
+            raise ValueError(told(words, obj.name))
+        obj.haptics.enabled = True
+    obj.haptics.source.enabled = True

@@ -97,23 +97,20 @@ class HAPTIC_OT_convert_sound(OnActive, Operator):
     bl_label = "Convert Sound"
 
     def apply(self, context: Context) -> set[str]:
-        try:
-            work = sound_source.Conversion(context.scene, context.object)
-        except (OSError, ValueError) as error:
-            context.object.haptics.source.sound.fault = str(error)
-            raise
-        written = [({"INFO"}, told("Sound converted"))]
-        return job.run(
-            self,
-            context,
-            job.Job(
-                "Converting",
-                work.step_count,
-                work.steps(),
-                lambda running: written,
-                "Convert Sound",
-            ),
-        )
+        return convert_sound(self, context)
+
+
+def convert_sound(operator: Operator, context: Context) -> set[str]:
+    """Make vibration of the sound of the active object for an operator, with progress."""
+    try:
+        work = sound_source.Conversion(context.scene, context.object)
+    except (OSError, ValueError) as error:
+        context.object.haptics.source.sound.fault = str(error)
+        raise
+    written = [({"INFO"}, told("Sound converted"))]
+    steps, count = work.steps(), work.step_count
+    conversion = job.Job("Converting", count, steps, lambda running: written, "Convert Sound")
+    return job.run(operator, context, conversion)
 
 
 class HAPTIC_OT_hear_signal(OnActive, Operator):

@@ -9,6 +9,7 @@ from bpy.types import Context, FileHandler, Menu, Panel, UILayout
 from ...core.formats.io.catalogue import FORMATS, READERS
 from ..blender import job
 from ..io import last_export
+from ..properties.sound import SOUNDS
 from .drawing import ScenePanel
 
 MOST_SHOWN, MOST_TIMES = 12, 4
@@ -84,6 +85,18 @@ class HAPTIC_FH_tracks(FileHandler):
         return _in_viewport(context) and context.object is not None
 
 
+class HAPTIC_FH_sound(FileHandler):
+    """Sounds, whose vibration the active object emits"""
+
+    bl_label = "Sound to Vibration"
+    bl_import_operator = "haptic.import_sound"
+    bl_file_extensions = ";".join(SOUNDS)
+
+    @classmethod
+    def poll_drop(cls, context: Context) -> bool:
+        return _in_viewport(context) and context.object is not None
+
+
 def _in_viewport(context: Context) -> bool:
     return context.area is not None and context.area.type == "VIEW_3D"
 
@@ -105,6 +118,8 @@ def draw_import(self: Menu, context: Context) -> None:
         iface_("Haptic Signal for the Active Object"),
         "/".join(READERS),
     )
+    title = iface_("Sound for the Active Object")
+    _draw_entry(self.layout, "haptic.import_sound", title, "/".join(SOUNDS))
 
 
 def _draw_entry(layout: UILayout, operator: str, title: str, endings: str) -> None:

@@ -12,7 +12,6 @@ from ...core.scene.choices import SourceKind
 from ..blender.documentation import page_url
 from ..blender.time import is_playing
 from ..io import last_export
-from ..live_output import preview
 from ..properties.preferences import preferences
 from ..session import sessions
 from ..view import watched
@@ -59,13 +58,13 @@ def steps(context: Context) -> Iterator[tuple[str, bool]]:
     is_felt = any(level.is_felt for level in watched.levels_of(scene))
     moves = is_playing() or scene.frame_current != scene.frame_start
     bake = scene.haptics.bake
-    is_out = preview.is_on() or bake.track is not None or last_export.written is not None
+    is_out = bake.track is not None or last_export.written is not None
     yield "Select the cube: Make Haptic", traced is not None and bool(traced.result.objects)
     yield "It vibrates: Add Source", bool(sources)
     yield "Who feels it: Add Body Listeners", traced is not None and bool(traced.result.listeners)
     yield "Play: the bars rise", is_felt and moves
     yield "Drag Amplitude, or choose a signal", any(map(_is_changed, sources))
-    yield "Hear It, Bake, or Export", is_out
+    yield "Bake, or Export Tracks", is_out
 
 
 def _sources(traced: sessions.Traced) -> list[str]:

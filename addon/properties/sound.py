@@ -29,6 +29,7 @@ ORIGINS = (
     ),
     ("SEQUENCER", "Sequencer", "Sound strips of the scene, at their times and with their volume"),
 )
+SOUNDS = (".wav", ".flac", ".mp3", ".ogg")
 CARRIERS = (
     ("FIXED", "Fixed", "One frequency"),
     ("PITCH", "Pitch", "The sound's own pitch, moved by octaves into the band that is felt well"),

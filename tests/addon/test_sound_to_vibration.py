@@ -133,6 +133,20 @@ def first_touch(scene):
     return float(np.argmax(samples > 0.01)) / 8000
 
 
+def test_a_sound_that_is_imported_makes_the_active_object_a_source(scene, add_box, tmp_path):
+    box = add_box("machine", (0, 0, 0), (1, 1, 1), haptic=False)
+    bpy.context.view_layer.objects.active = box
+    with pytest.raises(RuntimeError, match="there is no file"):
+        bpy.ops.haptic.import_sound(filepath=str(tmp_path / "gone.ogg"))
+    assert not box.haptics.enabled and not box.haptics.source.enabled
+    samples, rate, onsets = claps()
+    path = write_wav(tmp_path / "claps.wav", samples, rate)
+    assert bpy.ops.haptic.import_sound(filepath=path, loop=False) == {"FINISHED"}
+    assert box.haptics.enabled and box.haptics.source.signal == "SOUND"
+    assert box.haptics.source.sound.fault == ""
+    assert first_touch(scene) == pytest.approx(onsets[0], abs=0.006)
+
+
 def test_a_wav_file_becomes_vibration_that_is_saved_with_the_file(scene, convert, tmp_path):
     samples, rate, onsets = claps()
     path = write_wav(tmp_path / "claps.wav", samples, rate, channels=2)

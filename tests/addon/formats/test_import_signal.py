@@ -90,10 +90,12 @@ def test_an_empty_needs_something_to_shake(files, add_empty):
 def test_files_that_can_be_dropped():
     """Blender asks file handlers what to do with a file; in the background it can be asked which
     there are."""
-    scene, tracks = (
+    scene, tracks, sound = (
         bpy.types.FileHandler.bl_rna_get_subclass_py(name)
-        for name in ("HAPTIC_FH_scene", "HAPTIC_FH_tracks")
+        for name in ("HAPTIC_FH_scene", "HAPTIC_FH_tracks", "HAPTIC_FH_sound")
     )
+    assert sound.bl_import_operator == "haptic.import_sound"
+    assert {".wav", ".flac", ".mp3", ".ogg"} == set(sound.bl_file_extensions.split(";"))
     assert scene.bl_import_operator == "import_scene.haptic_scene" and {".json", ".gz"} == set(
         scene.bl_file_extensions.split(";")
     )
@@ -101,4 +103,4 @@ def test_files_that_can_be_dropped():
         tracks.bl_file_extensions.split(";")
     )
     # There is no viewport here.
-    assert not scene.poll_drop(bpy.context) and not tracks.poll_drop(bpy.context)
+    assert not any(handler.poll_drop(bpy.context) for handler in (scene, tracks, sound))
