@@ -29,6 +29,8 @@ from registered import difference, registered
 
 EXTENSION = "bl_ext.user_default.haptic_tracing"
 PAUSE = 0.1  # seconds: some turns of Blender's event loop
+KEYS = {"0": "ZERO", "1": "ONE", "2": "TWO", "3": "THREE", "4": "FOUR"}
+KEYS |= {"5": "FIVE", "6": "SIX", "7": "SEVEN", "8": "EIGHT", "9": "NINE", ".": "PERIOD"}
 Steps = Iterator[float | None]
 
 
@@ -181,43 +183,93 @@ class Window:
         return ""
 
     def open_panel(self, switch: str) -> Steps:
-        """Open a panel of Properties whose header has the check box of a property: Blender keeps it
-        as closed as it was when the window opened."""
-        yield from self.click_button(switch, at=0.13)
+        """Open a panel of Properties by its header, which has the check box of a property or, at
+        its right end, another button: Blender keeps it as closed as it was when the window
+        opened."""
+        yield from self.click_button(switch, at=0.13, columns=(0.2, 0.86))
 
-    def click_button(
+    def click_button(self, wanted: str, **place: object) -> Steps:
+        """Click the panels' button that `point_at` finds."""
+        yield from self.point_at(wanted, **place)
+        yield from self.press("LEFTMOUSE")
+        yield 0.3
+
+    def click_beside(self, wanted: str, at: float, **place: object) -> Steps:
+        """Click what stands in the line of a button of the sidebar, at a part of the width, and
+        opens a popover."""
+        yield from self.click_button(wanted, at=at, **place)
+        yield 1.0
+
+    def click_in_popup(self, wanted: str, right: int, up: int) -> Steps:
+        """Click a button of an open popover or menu, so many pixels from the mouse, or one near
+        there."""
+        x, y = self.mouse
+        passed = []
+        for near in (0, 8, -8, 16, -16):
+            self.point(x + right, y + up + near)
+            yield 0.3
+            passed.append(self.under_mouse().removeprefix("bpy.ops."))
+            if passed[-1].split("(")[0] == wanted:
+                self.point(self.mouse[0] + 2, self.mouse[1])  # lists follow a moving mouse
+                yield 0.5
+                self.clicks += 1
+                self.event("LEFTMOUSE", "PRESS")
+                yield 0.3
+                self.event("LEFTMOUSE", "RELEASE")
+                yield 0.5
+                return
+        self.save_picture("popup")
+        raise AssertionError(f"no button for {wanted} in the popup; there are {passed}")
+
+    def enter(self, wanted: str, number: str) -> Steps:
+        """Click a field with a number, and type another one."""
+        yield from self.click_button(wanted)
+        for character in number:
+            self.event(KEYS[character], "PRESS", unicode=character)
+            yield
+        yield from self.press("RET")
+        yield 0.3
+
+    def drag(self, wanted: str, right: int) -> Steps:
+        """Drag a slider by so many pixels to the right."""
+        yield from self.point_at(wanted)
+        self.clicks += 1
+        self.event("LEFTMOUSE", "PRESS")
+        for _ in range(4):
+            yield 0.1
+            self.point(self.mouse[0] + right / 4, self.mouse[1])
+        yield
+        self.event("LEFTMOUSE", "RELEASE")
+        yield 0.3
+
+    def point_at(
         self,
         wanted: str,
         at: float | None = None,
         # Buttons may share a line; check boxes of headers stand at a fifth of the width.
         columns: tuple[float, ...] = (0.4, 0.82, 0.15, 0.755, 0.945, 0.9),
     ) -> Steps:
-        """Click the panels' button for an operator ("haptic.add_source") or a property
-        ("haptics.kappa"), wherever it is: in Properties also where one has to scroll to it. ``at``:
-        the part of the width at which to click beside it. ``columns``: parts of the width at which
-        it is looked for."""
+        """Move the mouse to the panels' button for an operator ("haptic.add_source") or a property
+        ("haptics.kappa"), also where one has to scroll to it. ``at``: the part of the width to move
+        to, beside it. ``columns``: parts of the width at which it is looked for."""
         passed: set[str] = set()
-        for notches in (0, 60, -120, 12, 12, 12) if self.is_in_properties else (0,):
+        for notches in (0, 60, -120, 12, 12, 12):
             if notches:
                 yield from self.scroll_sidebar(notches)
-            if (
-                yield from self._click_in_view(
-                    wanted, passed, at, columns if at is None else (0.2,)
-                )
-            ):
+            if (yield from self._point_in_view(wanted, passed, at, columns)):
                 return
         raise AssertionError(
             f"no button for {wanted} in the panels; there are {sorted(passed - {''})}"
         )
 
-    def _click_in_view(
+    def _point_in_view(
         self, wanted: str, passed: set[str], at: float | None, columns: tuple[float, ...]
     ) -> Generator[float, None, bool]:
-        """Click the button if it is in sight; returns whether it is. ``passed``: what the others
-        do, to which those in sight are added."""
+        """Move the mouse to the button if it is in sight; returns whether it is. ``passed``: what
+        the others do, to which those in sight are added."""
         _, region = self.panels()
         for fraction in columns:
-            for y in range(region.y + region.height - 4, region.y, -8):
+            for y in range(region.y + region.height - 4, region.y, -10):
                 self.point(region.x + int(fraction * region.width), y)
                 yield 0.02
                 passed.add(self.under_mouse().removeprefix("bpy.ops."))
@@ -229,8 +281,6 @@ class Window:
                     if at is not None:
                         self.point(region.x + int(at * region.width), y)
                         yield 0.2
-                    yield from self.press("LEFTMOUSE")
-                    yield 0.3
                     return True
         return False
 

@@ -37,25 +37,30 @@ def steps(window):
     window.seen["all roles"] = all(roles().values())
     window.seen["after three clicks"] = window.clicks == len(buttons)
 
-    window.point_at_view()
-    yield
-    yield from window.press("SPACE")
+    yield from window.click_button("screen.animation_play")
     yield from window.wait_until(lambda: done()[3])
     window.seen["playing is ticked off"] = done()[3]
-    yield from window.press("SPACE")
+    yield from window.click_button("screen.animation_play")
+    window.seen["and paused"] = not window.window.screen.is_animation_playing
     yield from window.screenshot("felt")
     result = window.module("addon.session.session").result_of(bpy.context.scene)
     window.seen["twelve listeners feel it"] = result.amplitudes.shape == (1, 12) and bool(
         (result.amplitudes > 0).all()
     )
-    bpy.context.scene.objects["Cube"].haptics.source.amplitude = 0.5
+    cube = bpy.context.scene.objects["Cube"]
+    for obj in bpy.context.scene.objects:
+        obj.select_set(obj == cube)
+    bpy.context.view_layer.objects.active = cube
     yield 0.5
-    window.seen["an amplitude is ticked off"] = done()[4] and not done()[5]
-    with window.context():
-        bpy.ops.haptic.bake("EXEC_DEFAULT")
-    yield 0.5
+    yield from window.drag("haptics.source.amplitude", -60)
+    yield from window.wait_until(lambda: done()[4])
+    window.seen["a dragged amplitude is ticked off"] = done()[4] and not done()[5]
+    bpy.context.scene.frame_end = 12
+    yield from window.scroll_sidebar(60)
+    yield from window.click_button("haptic.bake")
+    yield from window.wait_until(lambda: all(done()))
+    yield from window.screenshot("done")
     window.seen["a bake is ticked off"] = all(done())
     window.module("addon.properties.preferences").preferences().show_quick_start = False
-    yield 0.5
     window.seen["skipped"] = not quick_start.HAPTIC_PT_quick_start.poll(bpy.context)
     yield from window.screenshot("skipped")

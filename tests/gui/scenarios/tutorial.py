@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 
 BLENDERS = {
-    "File > New > General", "Shift A", "Adjust Last Operation", "Ctrl J", "Ctrl P > Object, Keep Transform", "N", "I", "T > Linear",
+    "File > New > General", "Shift A", "Adjust Last Operation", "Ctrl J", "Ctrl P > Object (Keep Transform)", "N", "I", "T > Linear",
     "Properties > Physics", "Rigid Body", "Passive", "Active", "Animated",
 }  # fmt: skip
 """Labels and keys that are Blender's own."""
@@ -106,11 +106,6 @@ def steps(window):
         bpy.ops.object.parent_set(keep_transform=True)
 
     # 2. Make them haptic
-    window.open_only(
-        "HAPTIC_PT_scene",
-        "HAPTIC_PT_roles",
-        "HAPTIC_PT_result",
-    )
     yield from window.show_sidebar(re.search(r"choose the tab \*(\w+)\*", text)[1])
     unknown = set()
     for emphasised in re.findall(r"\*\*?([A-Z][^*]*?)\*\*?", text):
@@ -172,14 +167,31 @@ def steps(window):
     parts = {
         item.name: item.identifier for item in listener.bl_rna.properties["body_part"].enum_items
     }
-    listener.body_part = parts[body_part]
+    yield from window.click_button("haptics.listener.body_part")
+    yield 0.5
+    yield from window.click_in_popup("", 129, -97)
+    window.seen["the body part is chosen"] = listener.body_part == parts[body_part]
     label, energy = re.search(r"set \*\*([^*]+)\*\* to (\d+)", text).groups()
     by_label = {prop.name: prop.identifier for prop in scene.haptics.bl_rna.properties}
-    setattr(scene.haptics, by_label[label], number(energy))
-    yield 0.5
+    yield from window.show_properties("SCENE")
+    yield from window.scroll_sidebar(-60)
+    yield from window.open_panel("wm.url_open")  # Haptics: the last button of its header
+    yield from window.open_panel("haptics.impacts")
+    yield from window.enter(f"haptics.{by_label[label]}", energy)
+    window.seen["the energy is entered"] = getattr(scene.haptics, by_label[label]) == number(energy)
+    yield from window.screenshot("energy")
+    window.is_in_properties = False
     yield from window.screenshot("before")
 
     # 6. Play
+    yield from window.click_button("screen.animation_play")
+    yield from window.wait_until(lambda: scene.frame_current > 5)
+    window.seen["plays"] = window.window.screen.is_animation_playing
+    yield from window.click_button("screen.animation_play")
+    window.point_at_view()
+    yield from window.press("LEFT_ARROW", shift=True)
+    yield 0.5
+    window.seen["back at the start"] = scene.frame_current == 1
     strikes = int(re.search(r"strikes at frame (\d+)", text)[1])
     for _ in range(strikes - scene.frame_current):
         window.point_at_view()
@@ -194,11 +206,22 @@ def steps(window):
     window.seen[f"the label says {said}"] = said == re.search(r"label says (\S+ dB)", text)[1]
     yield from window.screenshot("struck")
     select("Hammer")
-    with window.context():
-        bpy.ops.haptic.apply_material(preset="rubber", target="SELECTED")
-    yield 0.5
+    yield from window.scroll_sidebar(-60)
+    yield from window.click_button("haptics.material.name", at=0.87)
+    yield 1.0
+    window.save_picture("materials")
+    yield from window.click_in_popup("haptic.apply_material", -339, -155)
+    window.seen["of rubber"] = scene.objects["Hammer"].haptics.material.name == "Rubber"
     result = session.result_of(scene)
     window.seen["of rubber: the same blow, weaker"] = len(result.impacts) == 1 and bool(
         0 < result.amplitudes[-1][0] < gain
     )
     yield from window.screenshot("rubber")
+
+    # 7. Bake
+    yield from window.scroll_sidebar(60)
+    yield from window.click_button("haptic.bake")
+    track_of = window.module("addon.bake.storage").track_of
+    yield from window.wait_until(lambda: track_of(scene) is not None)
+    window.seen["baked"] = track_of(scene).frame_count == scene.frame_end
+    yield from window.screenshot("baked")
