@@ -210,3 +210,8 @@ def test_pictures_in_panels(play):
 def test_lane(play):
     seen = played_through(play(SCENARIOS / "lane.py"))
     assert all(seen.values()), seen
+
+
+def test_clicks(play):
+    seen = played_through(play(SCENARIOS / "clicks.py"))
+    assert all(seen.values()), seen

@@ -210,12 +210,7 @@ class Window:
             yield 0.3
             passed.append(self.under_mouse().removeprefix("bpy.ops."))
             if passed[-1].split("(")[0] == wanted:
-                self.point(self.mouse[0] + 2, self.mouse[1])  # lists follow a moving mouse
-                yield 0.5
-                self.clicks += 1
-                self.event("LEFTMOUSE", "PRESS")
-                yield 0.3
-                self.event("LEFTMOUSE", "RELEASE")
+                yield from self.press("LEFTMOUSE")
                 yield 0.5
                 return
         self.save_picture("popup")
