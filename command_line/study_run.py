@@ -205,7 +205,7 @@ class Study:
 
     def _on_play(self) -> None:
         """Begin a section; the film says when."""
-        if self._step["step"] == "play":
+        if self._step.get("step") == "play":
             samples = self._samples(self._step["scene"], self._step["condition"])
             self._player.load(self._mapping.blocks(samples))
 
