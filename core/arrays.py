@@ -46,11 +46,21 @@ def portions(size: IntArray, most: int) -> list[IntArray]:
     return np.split(np.arange(len(size)), np.flatnonzero(np.diff(size.cumsum() // most)) + 1)
 
 
+def among(numbers: IntArray, ordered: IntArray) -> BoolArray:
+    """Which ``numbers`` (k,) are contained in ``ordered``, which ascend."""
+    if len(ordered) == 0:
+        return np.zeros(len(numbers), dtype=np.bool_)
+    if np.array_equal(numbers, ordered):
+        return np.ones(len(numbers), dtype=np.bool_)
+    return np.asarray(ordered.take(np.searchsorted(ordered, numbers), mode="clip") == numbers)
+
+
 def added_by(number: IntArray, values: FloatArray, count: int) -> FloatArray:
     """Sums (..., count) of values (..., n) by their ``number`` (n,)."""
     rows = values.reshape(math.prod(values.shape[:-1]), values.shape[-1])
     sums = np.array(
-        [np.bincount(number, weights=row, minlength=count) for row in rows], dtype=np.float64
+        [np.bincount(number, weights=row, minlength=count) for row in rows],
+        dtype=np.float64,
     )
     return sums.reshape(*values.shape[:-1], count)
 

@@ -46,7 +46,7 @@ class TimeOfImpact:
         self._radius[number] = np.sqrt((np.abs(bounds).max(axis=0) ** 2).sum())
 
     def may_hit(
-        self, paths: Paths, first: IntArray, second: IntArray, low: FloatArray, high: FloatArray
+        self, paths: Paths, first: IntArray, second: IntArray, extents: FloatArray
     ) -> BoolArray:
         """Which pairs (p,) have bounding boxes that overlap at some time on their paths.
 
@@ -54,8 +54,7 @@ class TimeOfImpact:
             paths: of all bodies.
             first: one body of each pair (p,).
             second: the other (p,).
-            low: lowest corners of the boxes at the start (3, n).
-            high: highest corners (3, n).
+            extents: of the boxes at the start, against and along the axes (2, 3, n) [m].
         """
         turning = (
             np.minimum(np.sqrt((paths.spin**2).sum(axis=0)) * paths.duration, 2.0) * self._radius
@@ -64,6 +63,7 @@ class TimeOfImpact:
         move = paths.displacement()
         relative = move[:, second] - move[:, first]
         slack = turning[first] + turning[second]
+        low, high = -extents[0], extents[1]
         below = low[:, second] + np.minimum(relative, 0.0) - slack <= high[:, first]
         above = high[:, second] + np.maximum(relative, 0.0) + slack >= low[:, first]
         return np.asarray((below & above).all(axis=0))
@@ -214,7 +214,10 @@ class _MovingPairs:
         falling = (
             2
             * start
-            / np.maximum(slope + np.sqrt(np.maximum(slope * slope + 2 * pull * start, 0.0)), 1e-300)
+            / np.maximum(
+                slope + np.sqrt(np.maximum(slope * slope + 2 * pull * start, 0.0)),
+                1e-300,
+            )
         )
         time = np.where(
             slope >= 0,
@@ -229,10 +232,14 @@ class _MovingPairs:
             f = self.chosen(active).clearances(t)
             before = f > 0
             f_high[active] = np.where(
-                before, np.where(side[active] == 1, f_high[active] / 2, f_high[active]), f
+                before,
+                np.where(side[active] == 1, f_high[active] / 2, f_high[active]),
+                f,
             )
             f_low[active] = np.where(
-                before, f, np.where(side[active] == -1, f_low[active] / 2, f_low[active])
+                before,
+                f,
+                np.where(side[active] == -1, f_low[active] / 2, f_low[active]),
             )
             low[active] = np.where(before, t, low[active])
             high[active] = np.where(before, high[active], t)
@@ -321,7 +328,10 @@ class _MovingPairs:
             through = active[~ahead]
             step = now[ahead] - low[before]
             rate[before] = np.divide(
-                last[before] - distance[ahead], step, out=np.zeros(len(before)), where=step > 0
+                last[before] - distance[ahead],
+                step,
+                out=np.zeros(len(before)),
+                where=step > 0,
             )
             low[before] = now[ahead]
             last[before] = distance[ahead]
@@ -332,7 +342,8 @@ class _MovingPairs:
                 last[active], rate[active], out=np.zeros(len(active)), where=shrinking
             )
             guess = np.minimum(
-                low[active] + ahead_by, np.minimum((low[active] + high[active]) / 2, duration)
+                low[active] + ahead_by,
+                np.minimum((low[active] + high[active]) / 2, duration),
             )
             time[active] = np.maximum(safe, guess)
             touched = ~ahead & (distance > 0)
@@ -408,7 +419,9 @@ class Meetings:
         # Meshes that have passed through each other are not deeper for it: as deep as they would be
         # at this speed.
         deep = np.where(
-            self.mesh, -np.maximum(approach, 0.0) * (moving.paths.duration - after), np.inf
+            self.mesh,
+            -np.maximum(approach, 0.0) * (moving.paths.duration - after),
+            np.inf,
         )
         return Hits(
             moving.pairs,

@@ -427,7 +427,7 @@ def test_what_is_known_of_shapes_that_stay_is_kept():
     transforms[1, :3, 3] = 0.3, 0.3, -0.5
     tracker = ContactTracker([Body("still", still), Body("changes", before)])
     tracker.update(0.0, transforms)
-    kept = tracker._narrow._kept[0]
+    kept = tracker._table.narrow._kept[0]
     tracker.replace_bodies([Body("still", still), Body("changes", after)])
     found = tracker.update(0.1, transforms).contacts
     fresh = (
@@ -435,7 +435,7 @@ def test_what_is_known_of_shapes_that_stay_is_kept():
         .update(0.1, transforms)
         .contacts
     )
-    assert tracker._narrow._kept[0] is kept
+    assert tracker._table.narrow._kept[0] is kept
     for name in ("pairs", "positions", "normal", "distance", "area"):
         np.testing.assert_array_equal(getattr(found, name), getattr(fresh, name))
     assert len(fresh) == 1

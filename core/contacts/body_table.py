@@ -1,0 +1,118 @@
+"""What the tracker knows of bodies apart from their poses: sizes, masses, and their shapes as the
+narrow phase has them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import FloatArray, IntArray
+from .narrow.frames import turned
+from .narrow.narrow_phase import NarrowPhase
+from .settings import Body, Motion
+from .shapes import Compound
+from .time_of_impact import TimeOfImpact
+
+STILL = 1e-5
+"""Metres of motion below which a body counts as at rest: simulations at rest tremble, and poses are
+float32."""
+
+
+class BodyTable:
+    """``bodies`` as arrays by their number, from 0 to n - 1. What is known of shapes that are also
+    in the table ``before`` is taken over.
+
+    Attributes:
+        middle, extent: (3, n) middle and half extents of a body's bounds in its own space [m].
+        radius: (n,) of the bounds about their middle [m].
+        reach: (n,) of the bounds about the body's origin [m].
+        rest_limits: (12, n) changes of the elements of a pose that count as rest.
+        mass: (n,) [kg], 0 of a body without.
+        dynamic: (n,) which bodies a simulation moves.
+        medium: (n,) which bodies are volumes of air or water.
+        narrow, time_of_impact: queries between the bodies.
+    """
+
+    def __init__(self, bodies: Sequence[Body], before: BodyTable | None = None) -> None:
+        known: dict[int, FloatArray] = {} if before is None else before._bounds
+        self._shapes = [body.shape for body in bodies]
+        # Local bounds (2, 3) by the identity of the shape.
+        self._bounds: dict[int, FloatArray] = {
+            id(shape): known[id(shape)] if id(shape) in known else shape.local_bounds()
+            for shape in self._shapes
+        }
+        local = np.array([self._bounds[id(shape)] for shape in self._shapes]).reshape(-1, 2, 3)
+        count = len(bodies)
+        self.middle, self.extent = np.empty((2, 3, count))
+        self.radius, self.reach = np.empty((2, count))
+        self.rest_limits = np.empty((12, count))
+        self._set_sizes(slice(count), local)
+        self.mass = np.array([body.mass or 0.0 for body in bodies], dtype=np.float64)
+        self.dynamic = np.array([body.motion is Motion.DYNAMIC for body in bodies], dtype=np.bool_)
+        self.medium = np.array([body.medium for body in bodies], dtype=np.bool_)
+        self.narrow: NarrowPhase = NarrowPhase(
+            self._shapes,
+            self.medium.tolist(),
+            None if before is None else before.narrow,
+        )
+        self.time_of_impact = TimeOfImpact(self.narrow, local)
+
+    def __len__(self) -> int:
+        return len(self._shapes)
+
+    def _set_sizes(self, bodies: slice, local: FloatArray) -> None:
+        """Set what depends on the ``local`` bounds (k, 2, 3) of some bodies."""
+        self.middle[:, bodies] = local.mean(axis=1).T
+        self.extent[:, bodies] = (np.ptp(local, axis=1) / 2).T
+        self.radius[bodies] = np.sqrt((self.extent[:, bodies] ** 2).sum(axis=0))
+        reach = self.reach[bodies] = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
+        self.rest_limits[:9, bodies] = STILL / reach.clip(1e-9)
+        self.rest_limits[9:, bodies] = STILL
+
+    def move_parts(self, number: int, old: Body, body: Body) -> bool:
+        """Move the parts of a compound, as bones do. Returns False, without a change, if ``body``
+        differs from ``old``, the body ``number``, in anything but the poses of its parts."""
+        shape = old.shape
+        new = body.shape
+        if (
+            not isinstance(shape, Compound)
+            or not isinstance(new, Compound)
+            or [part for part, _ in shape.children] != [part for part, _ in new.children]
+            or replace(body, shape=shape) != old
+            or shape.margin != new.margin
+        ):
+            return False
+        local = new.local_bounds()
+        if not self.narrow.place(number, new, local):
+            return False
+        self._shapes[number] = new
+        self._bounds.pop(id(shape), None)
+        self._bounds[id(new)] = local
+        self._set_sizes(slice(number, number + 1), local[None])
+        self.time_of_impact.measure(number, local)
+        return True
+
+    def keys(self, pairs: IntArray) -> IntArray:
+        """One number (k,) for each pair of bodies (k, 2), ascending with the first, then the
+        second body."""
+        return np.asarray(pairs @ (len(self), 1))
+
+    def numbers(self, key: IntArray) -> IntArray:
+        """The bodies (k, 2) of pairs by ``key``, smaller number first."""
+        return np.stack(np.divmod(key, max(len(self), 1)), axis=1)
+
+    def by_size(self, key: IntArray) -> tuple[IntArray, IntArray]:
+        """Numbers of the larger and of the smaller body of each pair, by ``key``."""
+        first, second = np.divmod(key, max(len(self), 1))
+        larger = self.radius[first] >= self.radius[second]
+        return np.where(larger, first, second), np.where(larger, second, first)
+
+    def extents(self, bodies: IntArray, pose: FloatArray, grow: float) -> FloatArray:
+        """How far ``bodies`` (k,) in ``pose`` (12, k) extend in the world, against and along the
+        axes (2, 3, k), and so many metres farther."""
+        turn = pose[:9].reshape(3, 3, -1)
+        centre = turned(turn, self.middle.take(bodies, axis=1)) + pose[9:]
+        half = turned(np.abs(turn), self.extent.take(bodies, axis=1)) + grow
+        return np.array([half - centre, half + centre])

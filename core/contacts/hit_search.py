@@ -1,0 +1,159 @@
+"""Hits between bodies in the interval before a frame, found on their paths."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import BoolArray, FloatArray, IntArray, among
+from ..frozen import frozen
+from .body_poses import BodyPoses
+from .body_table import BodyTable
+from .candidates import DISTANCE, NORMAL, ON_LARGER, Candidates, placed
+from .impacts import Hits, confirmed, landings
+from .motion import Paths
+from .narrow.frames import relative_pose, turned, turned_back
+from .near_pairs import NearPairs
+from .settings import ContactSettings
+from .time_of_impact import Meetings
+
+PRESSING_DISTANCE = 2e-3
+"""Distance below which bodies count as pressing on each other [m]."""
+
+
+@frozen(eq=False)
+class HitSearch:
+    """The search in one interval.
+
+    Attributes:
+        settings: of contacts.
+        table: of the bodies.
+        poses: at the end of the interval.
+        near: the near pairs.
+        paths: of the bodies in the interval.
+        able: (k,) numbers of the near pairs with the energy for an impact.
+    """
+
+    settings: ContactSettings
+    table: BodyTable
+    poses: BodyPoses
+    near: NearPairs
+    paths: Paths
+    able: IntArray
+
+    @property
+    def keys(self) -> IntArray:
+        """The near pairs with the energy for an impact (k,), by key, ascending."""
+        return self.near.key[self.able]
+
+    def one_of(self) -> BoolArray:
+        """Which bodies (n,) are in one of these pairs."""
+        found = np.zeros(len(self.table), dtype=np.bool_)
+        found[self.near.larger[self.able]] = found[self.near.smaller[self.able]] = True
+        return found
+
+    def meetings(self, pairs: Candidates, free: IntArray) -> Meetings | None:
+        """Where and when those near pairs ``free``, by number, that meet on their paths do so."""
+        table, near = self.table, self.near
+        search = table.time_of_impact
+        bodies = near.larger[free], near.smaller[free]
+        free = free[search.may_hit(self.paths, *bodies, self.poses.last_extents)]
+        is_mesh = table.narrow.is_mesh
+        meshes = (is_mesh[near.larger[free]] | is_mesh[near.smaller[free]]).nonzero()[0]
+        if len(meshes):  # their distances take long: use those of the last query
+            far = self._out_of_reach(pairs, near.key[free[meshes]])
+            free = np.delete(free, meshes[far])
+        return search.meetings(self.paths, table.numbers(near.key[free]))
+
+    def _out_of_reach(self, pairs: Candidates, key: IntArray) -> BoolArray:
+        """Which near pairs, by key, can't meet on their paths: their distance at the last query,
+        less their motion since, exceeds what the paths can close."""
+        if len(pairs.key) == 0:
+            return np.zeros(len(key), dtype=np.bool_)
+        rows = pairs.rows_of(key)
+        larger = pairs.larger[rows]
+        smaller = pairs.smaller[rows]
+        turn, offset = self._before(larger, smaller)
+        place = turned(turn, self.table.middle[:, smaller]) + offset
+        motion = pairs.motion(rows, turn, place, self.table.radius[smaller])
+        approach = self.table.time_of_impact.largest_approach(self.paths, larger, smaller)
+        return np.asarray(
+            (pairs.key[rows] == key)
+            & pairs.known[rows]
+            & (pairs.distance[rows] - motion > approach)
+        )
+
+    def _before(self, larger: IntArray, smaller: IntArray) -> tuple[FloatArray, FloatArray]:
+        """How smaller bodies were placed in the frames of larger ones at the start."""
+        return relative_pose(self.paths.start[:, larger], self.paths.start[:, smaller])
+
+    def confirmed(self, hits: Hits, arrived: IntArray) -> Hits:
+        """The confirmed ones among ``hits``, and those of pairs, by key, that have ``arrived`` at
+        each other by the end of the interval although their motion did not lead there. Something
+        else has moved these, so their hits are found on paths that lead to their actual poses."""
+        if len(hits):
+            hits = hits.chosen(confirmed(hits, self.paths, self.settings.tolerance))
+        if len(arrived):
+            arrived = arrived[~among(arrived, np.sort(self.table.keys(hits.pairs)))]
+        if len(arrived):
+            search = self.table.time_of_impact
+            pairs = self.table.numbers(arrived)
+            expected = search.final_distances(self.paths, pairs)
+            pulled = pairs[expected > 2 * PRESSING_DISTANCE]
+            if len(pulled):
+                meetings = search.meetings(self.paths.through_ends(), pulled)
+                hits = hits.joined(search.hits_at(meetings).approaching())
+        return hits
+
+    def landings(self, pairs: Candidates, rows: IntArray, last: FloatArray) -> Hits:
+        """Hits of the pairs ``rows``, which touch in both frames, by a part that was away from the
+        other body before; of each pair, the hit of the patch's fastest point. ``last``: the values
+        of all pairs in the last frame. Only for pairs with a recent impact: bodies that have
+        touched for longer are at rest."""
+        table = self.table
+        rows = rows[~pairs.one_of(table.medium)[rows]]
+        if len(rows) == 0:
+            return Hits.none()
+        bodies = pairs.bodies(rows)
+        pose, other = (self.poses.pose.take(numbers, axis=1) for numbers in bodies.T)
+        limit = np.full(len(rows), self.settings.tolerance + self.settings.slack)
+        normal = pairs.values[NORMAL, rows]
+        distance = pairs.distance[rows]
+        centre = pairs.values[ON_LARGER, rows] + normal * (distance / 2)
+        of, points = table.narrow.corners(
+            bodies, *relative_pose(pose, other), limit, normal, centre
+        )
+        points = placed(pose[:, of], points)
+        numbers = table.numbers(pairs.key[rows])[of]
+        flipped = bodies[of, 0] != numbers[:, 0]
+        normal = turned(pose[:9].reshape(3, 3, -1)[..., of], normal[:, of])
+        normal *= np.where(flipped, -1.0, 1.0)
+        distance = distance[of]
+        gap = normal * (distance / 2)
+        nodes = np.array([points - gap, points + gap])
+        was, old = self._corners_before(bodies, last[:, rows], limit)
+        old = np.where(bodies[was, 0] != table.numbers(pairs.key[rows])[was, 0], old[::-1], old)
+        squared = ((nodes[..., None] - old[:, :, None]) ** 2).sum(axis=1)
+        away = np.sqrt(
+            np.where(of[:, None] == was, squared, np.inf).min(axis=(0, 2), initial=np.inf)
+        )
+        hits = landings(self.paths, numbers, nodes, away, normal, distance, PRESSING_DISTANCE)
+        order = hits.approach.argsort(kind="stable")[::-1]
+        fastest = np.unique(table.keys(hits.pairs[order]), return_index=True)[1]
+        return hits.chosen(order[fastest])
+
+    def _corners_before(
+        self, bodies: IntArray, last: FloatArray, limit: FloatArray
+    ) -> tuple[IntArray, FloatArray]:
+        """Of each corner of the patches that pairs of ``bodies`` (p, 2) had in the last frame, with
+        the values ``last`` (rows, p): the number (k,) of the pair, and where the material of the
+        larger and of the smaller body there (2, 3, k) is now."""
+        larger, smaller = bodies.T
+        turn, offset = self._before(larger, smaller)
+        normal = last[NORMAL]
+        gap = normal * (last[DISTANCE] / 2)
+        of, places = self.table.narrow.corners(
+            bodies, turn, offset, limit, normal, last[ON_LARGER] + gap
+        )
+        on_smaller = turned_back(turn[..., of], places + gap[:, of] - offset[:, of])
+        ends = (larger, places - gap[:, of]), (smaller, on_smaller)
+        return of, np.array([placed(self.poses.pose[:, side[of]], end) for side, end in ends])

@@ -1,0 +1,67 @@
+"""Which bodies are fast and heavy enough for an impact: only these are searched for hits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import BoolArray, FloatArray
+from .body_table import BodyTable
+from .motion import MotionHistory, Paths
+from .narrow.frames import dot
+from .settings import ContactSettings, ImpactEnergy
+
+_FRAMES_AHEAD = 3
+"""Frames in which gravity may accelerate a body to an impact: its contacts are watched that long
+before, requested or not."""
+
+
+class Striking:
+    """Bounds on the energies of impacts under ``settings``, of which ``least`` is the smallest that
+    counts [J]."""
+
+    def __init__(self, settings: ContactSettings) -> None:
+        self._settings = settings
+        self.least = min(item.least_energy for item in settings.all_limits())
+        self._gravity = np.array(settings.gravity) * settings.time_scale**2
+        self._turning = settings.energy is ImpactEnergy.NORMAL
+
+    def _energies(self, table: BodyTable, speed: FloatArray) -> FloatArray:
+        """Upper bound on the energy (n,) that bodies with at most this ``speed`` (n,) bring into an
+        impact."""
+        mass = table.mass
+        if self._turning:
+            # Twice the speed of the faster of two at most, and no more than the mass of a dynamic
+            # one of them.
+            mass = 4 * np.where(table.dynamic, mass, np.max(mass, where=table.dynamic, initial=0.0))
+        return mass / 2 * (speed / self._settings.time_scale) ** 2
+
+    def soon(self, table: BodyTable, history: MotionHistory) -> BoolArray:
+        """Which bodies (n,) may take part in an impact within the next `_FRAMES_AHEAD` frames: all
+        that move and have a mass, as soon as one of them may have the energy for it."""
+        gain = (
+            float(np.linalg.norm(self._settings.gravity))
+            * self._settings.time_scale**2
+            * history.step
+            * _FRAMES_AHEAD
+        )
+        energy = self._energies(table, history.speeds() + gain)
+        moving = history.moving()
+        return moving & (table.mass > 0) & np.any(moving & (energy >= self.least / 2))
+
+    def paths(
+        self, table: BodyTable, history: MotionHistory, airborne: BoolArray
+    ) -> tuple[Paths, FloatArray] | None:
+        """The paths of the bodies, and upper bounds on their energies (n,) [J]; None if none is
+        fast enough for an impact. ``airborne`` as in `MotionHistory.paths`."""
+        if not self._turning:
+            energy = self._energies(table, history.speed_bound(self._gravity))
+            if not np.any(energy >= self.least / 2):
+                return None
+        paths = history.paths(~table.dynamic, airborne, self._gravity)
+        if paths is None:
+            return None
+        speed = paths.fastest()
+        if self._turning:
+            speed += np.sqrt(dot(paths.spin, paths.spin)) * table.reach
+        energy = self._energies(table, speed)
+        return (paths, energy) if np.any(energy >= self.least / 2) else None
