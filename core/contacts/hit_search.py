@@ -65,22 +65,20 @@ class HitSearch:
         return search.meetings(self.paths, table.numbers(near.key[free]))
 
     def _out_of_reach(self, pairs: Candidates, key: IntArray) -> BoolArray:
-        """Which near pairs, by key, can't meet on their paths: their distance at the last query,
-        less their motion since, exceeds what the paths can close."""
-        if len(pairs.key) == 0:
-            return np.zeros(len(key), dtype=np.bool_)
-        rows = pairs.rows_of(key)
-        larger = pairs.larger[rows]
-        smaller = pairs.smaller[rows]
+        """Which near pairs, by key, can't meet on their paths: boxes around them are farther apart
+        than the paths can close, or their distance at the last query, less their motion since,
+        is."""
+        larger, smaller = self.table.by_size(key)
         turn, offset = self._before(larger, smaller)
-        place = turned(turn, self.table.middle[:, smaller]) + offset
-        motion = pairs.motion(rows, turn, place, self.table.radius[smaller])
+        least = self.table.narrow.box_gaps(np.stack([larger, smaller], axis=1), turn, offset)
+        if len(pairs.key):
+            rows = pairs.rows_of(key)
+            place = turned(turn, self.table.middle[:, smaller]) + offset
+            motion = pairs.motion(rows, turn, place, self.table.radius[smaller])
+            known = (pairs.key[rows] == key) & pairs.known[rows]
+            least = np.where(known, np.maximum(least, pairs.distance[rows] - motion), least)
         approach = self.table.time_of_impact.largest_approach(self.paths, larger, smaller)
-        return np.asarray(
-            (pairs.key[rows] == key)
-            & pairs.known[rows]
-            & (pairs.distance[rows] - motion > approach)
-        )
+        return np.asarray(least > approach)
 
     def _before(self, larger: IntArray, smaller: IntArray) -> tuple[FloatArray, FloatArray]:
         """How smaller bodies were placed in the frames of larger ones at the start."""

@@ -161,21 +161,31 @@ class CoreDistances:
         order = chosen.argsort()
         return chosen[order], exact(chosen_of(joined(found), order))
 
+    def box_gaps(self, rows: CorePairs) -> FloatArray:
+        """Lower bounds on the distances (n,) of the cores: those of boxes around them."""
+        table = self._table
+        turn = relative(rows.rotation_a, rows.rotation_b)
+        centre_a, centre_b = self._middles(rows)
+        offset = turned_back(rows.rotation_a, centre_b - centre_a)
+        halves = table.bound_half[:, rows.first], table.bound_half[:, rows.second]
+        return best_axes(turn, offset, *halves)[0]
+
+    def _middles(self, rows: CorePairs) -> tuple[FloatArray, FloatArray]:
+        """The middles (3, n) of these boxes."""
+        middle = self._table.bound_centre
+        return (
+            rows.centre_a + turned(rows.rotation_a, middle[:, rows.first]),
+            rows.centre_b + turned(rows.rotation_b, middle[:, rows.second]),
+        )
+
     def near_by_fcl(self, rows: CorePairs, limit: FloatArray) -> Separation:
         """`by_fcl` of the rows whose bounding boxes are within ``limit`` of each other; lower
         bounds for the others."""
-        table = self._table
-        centre_a = rows.centre_a + turned(rows.rotation_a, table.bound_centre[:, rows.first])
-        centre_b = rows.centre_b + turned(rows.rotation_b, table.bound_centre[:, rows.second])
-        turn = relative(rows.rotation_a, rows.rotation_b)
-        offset = turned_back(rows.rotation_a, centre_b - centre_a)
-        bound = best_axes(
-            turn, offset, table.bound_half[:, rows.first], table.bound_half[:, rows.second]
-        )[0]
+        bound = self.box_gaps(rows)
         near = bound <= rows.radius_a + rows.radius_b + limit[rows.owner]
         if near.all():
             return self.by_fcl(rows)
-        result = Separation(bound, upwards(len(rows)), centre_a, centre_b)
+        result = Separation(bound, upwards(len(rows)), *self._middles(rows))
         chosen = np.flatnonzero(near)
         if len(chosen):
             replace_rows(result, chosen, self.by_fcl(chosen_of(rows, chosen)))

@@ -10,7 +10,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, part_of, ranges, runs, taken
+from ...arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    chosen_of,
+    part_of,
+    portions,
+    ranges,
+    runs,
+    taken,
+)
 from .cores import CoreTable, Kind, Size
 from .frames import chunks, dot, product, relative, turned, turned_back
 from .mesh_index import MeshIndex
@@ -20,6 +30,9 @@ from .triangles import apart_by, beside
 BEYOND = 1e-9
 """Metres beyond the limit of a query at which a distance is reported where only a lower bound is
 known."""
+
+_AT_ONCE = 1 << 14
+"""Pairs of bounds compared at a time: few enough for the processor's cache."""
 
 _OPPOSITE = -1e-3
 """Cosine of the angle between the outward normals of two faces below which they face each other."""
@@ -137,10 +150,6 @@ class CorePairing:
         for first_row, count in zip(begin.tolist(), size.tolist(), strict=True):
             rows = part_of(everything, slice(first_row, first_row + count))
             kind_a, kind_b = divmod(int(kinds[order[first_row]]), len(Kind))
-            if len(begin) == 1:
-                rows = everything
-            elif kind_b == Kind.MESH:  # whose bits depend on how single matrices lie in memory
-                rows = chosen_of(rows, np.arange(count))
             if kind_b == Kind.MESH and kind_a == Kind.BOX:
                 rows.radius_a = table.radius[Size.THICK, rows.first]
             if kind_b == Kind.MESH and kind_a == Kind.POINT:
@@ -278,13 +287,11 @@ class CorePairing:
         pair, near = first.index.near(
             placing.back_to_first(second, within if second.depth > 0 else reach)
         )
-        (middle_a, radius_a), (middle_b, radius_b) = (
-            first.spheres.spheres(),
-            second.spheres.spheres(),
-        )
-        middle_a = placing.of(pair, middle_a[:, near])
+        middle_a = placing.of(pair, first.middles[:, near])
+        radius_a = first.radii[near]
+        middle_b, radius_b = second.middles, second.radii
         normal = turned(placing.turn[..., pair], first.normals[:, near])
-        half = np.abs(normal) * reach[pair] + radius_a[near]
+        half = np.abs(normal) * reach[pair] + radius_a
         bounds = np.stack([middle_a - half, middle_a + half])
         counts = np.ones((len(reach), len(radius_b)), dtype=np.bool_)
         if first.depth > 0:
@@ -293,7 +300,7 @@ class CorePairing:
             bounds = np.stack([np.maximum(bounds[0], low), np.minimum(bounds[1], high)])
             counts[:] = False
             counts[second.index.near(around)] = True
-        every = second.spheres.near_among(bounds, pair, counts)
+        every = _in_boxes(middle_b - radius_b, middle_b + radius_b, counts, bounds, pair)
         kept: list[tuple[IntArray, IntArray]] = []
         for part in chunks(len(every[0])):
             mine, theirs = (numbers[part] for numbers in every)
@@ -303,7 +310,7 @@ class CorePairing:
             mine = mine[against < _OPPOSITE]
             theirs = theirs[against < _OPPOSITE]
             way = taken(middle_b, theirs) - taken(middle_a, mine)
-            both = radius_a[near[mine]] + radius_b[theirs]
+            both = radius_a[mine] + radius_b[theirs]
             over = ~beside(way, both, taken(normal, mine))
             over &= ~beside(way, both, taken(second.normals, theirs))
             kept.append((mine[over], theirs[over]))
@@ -319,6 +326,31 @@ class CorePairing:
             mine = mesh == core
             local[..., mine] = taken(self._surfaces[core].corners, triangle[mine])
         return turned(rotation, local) + centre[:, None]
+
+
+def _in_boxes(
+    low: FloatArray, high: FloatArray, counts: BoolArray, boxes: FloatArray, group: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Numbers of boxes and of what is in them.
+
+    Args:
+        low: lowest corners of the bounds of what may be in boxes (3, t).
+        high: highest corners (3, t).
+        counts: which of these may be in boxes of a group (m, t).
+        boxes: lowest and highest corners (2, 3, n).
+        group: of each box (n,), ascending.
+    """
+    found = [np.zeros((2, 0), dtype=np.int64)]
+    for begin, size in zip(*(numbers.tolist() for numbers in runs(group)), strict=True):
+        others = counts[group[begin]].nonzero()[0]
+        bottom, top = low[:, None, others], high[:, None, others]
+        for part in portions(np.full(size, len(others)), _AT_ONCE):
+            box = boxes[:, :, begin + part, None]
+            met = ((bottom <= box[1]) & (top >= box[0])).all(axis=0)
+            row, place = met.nonzero()
+            found.append(np.stack([begin + part[row], others[place]]))
+    of, member = np.concatenate(found, axis=1)
+    return of, member
 
 
 def _products(start: IntArray, pairs: IntArray) -> tuple[IntArray, IntArray, IntArray]:

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, runs
+from ...arrays import FloatArray, IntArray
 from ...frozen import frozen
 
 _CHUNK = 2_000_000
 """Boxes times blocks or triangles tested at a time, to bound memory."""
-
-_FEW = 20_000
-"""As many where the processor's cache shall hold what is compared."""
 
 
 @frozen
@@ -28,9 +25,9 @@ class MeshIndex:
     block_high: FloatArray
 
     @classmethod
-    def of(cls, corners: FloatArray, spheres: bool = False) -> MeshIndex:
-        """Index triangles (t, 3, 3), ordered along a Z-order curve so that neighbours share blocks.
-        ``spheres``: bounds are those of spheres around the triangles' middles."""
+    def of(cls, corners: FloatArray) -> MeshIndex:
+        """Index triangles (t, 3, 3), ordered along a Z-order curve so that neighbours share
+        blocks."""
         centre = corners.mean(axis=1)
         extent = np.maximum(np.ptp(centre, axis=0), 1e-300)
         cell = np.minimum((centre - centre.min(axis=0)) / extent * 1024, 1023).astype(np.int64)
@@ -38,11 +35,6 @@ class MeshIndex:
         corners = corners[order]
         low = corners.min(axis=1)
         high = corners.max(axis=1)
-        if spheres:
-            middle = corners.mean(axis=1)
-            radius = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=2).max(axis=1))[:, None]
-            low = middle - radius
-            high = middle + radius
         size = max(8, int(len(corners) ** 0.5 / 2))
         filled = (0, -len(corners) % size), (0, 0)
         low, high = (
@@ -50,13 +42,6 @@ class MeshIndex:
             for bound, beyond in ((low, np.inf), (high, -np.inf))
         )
         return cls(order, corners, low, high, low.min(axis=2).T.copy(), high.max(axis=2).T.copy())
-
-    def spheres(self) -> tuple[FloatArray, FloatArray]:
-        """The middles (3, t) and radii (t,) of the spheres that are their bounds."""
-        low, high = (
-            bound.reshape(3, -1)[:, : len(self.corners)] for bound in (self.low, self.high)
-        )
-        return (low + high) / 2, (high[0] - low[0]) / 2
 
     def near(self, bounds: FloatArray) -> tuple[IntArray, IntArray]:
         """Pairs of boxes ``bounds`` (n, 2, 3) [local space] and triangles with overlapping bounds:
@@ -73,26 +58,6 @@ class MeshIndex:
                 found = self._in_blocks(bounds, box[chosen], block[chosen])
                 boxes.append(found[0])
                 triangles.append(found[1])
-        return np.concatenate(boxes), np.concatenate(triangles)
-
-    def near_among(
-        self, bounds: FloatArray, group: IntArray, among: BoolArray
-    ) -> tuple[IntArray, IntArray]:
-        """`near`, of boxes (2, 3, n) of which each counts only the triangles ``among`` (m, t) those
-        of its ``group`` (n,), which ascends."""
-        low, high = (bound.reshape(3, -1)[:, None] for bound in (self.low, self.high))
-        boxes = [np.zeros(0, dtype=np.int64)]
-        triangles = [np.zeros(0, dtype=np.int64)]
-        for first, size in zip(*(numbers.tolist() for numbers in runs(group)), strict=True):
-            others = among[group[first]].nonzero()[0]
-            bottom = low.take(others, axis=2)
-            top = high.take(others, axis=2)
-            step = max(1, _FEW // max(len(others), 1))
-            for begin in range(first, first + size, step):
-                some = bounds[:, :, begin : min(begin + step, first + size), None]
-                box, place = ((bottom <= some[1]) & (top >= some[0])).all(axis=0).nonzero()
-                boxes.append(box + begin)
-                triangles.append(others[place])
         return np.concatenate(boxes), np.concatenate(triangles)
 
     def _in_blocks(

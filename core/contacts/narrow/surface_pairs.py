@@ -135,9 +135,6 @@ class SurfacePairs:
         self._bodies = bodies
         self._patches = patches
 
-    def _is_surface(self, core: int) -> bool:
-        return bool(self._table.kind[core] >= Kind.HULL)
-
     def gaps(self, rows: CorePairs, solid: bool = False) -> tuple[FloatArray, FloatArray]:
         """Distances (n,) of the cores, 0 where they overlap, and normals (3, n) from first to
         second. ``solid``: what is inside a hull overlaps it."""
@@ -161,7 +158,7 @@ class SurfacePairs:
             if distance < nearest:
                 nearest = distance
                 points = result.nearest_points
-        turn = rows.rotation_b[..., k]
+        turn = np.ascontiguousarray(rows.rotation_b[..., k])
         place = rows.centre_b[:, k]
         on_mesh, on_other = (turn @ np.asarray(point) + place for point in points)
         return _Gap(
@@ -187,8 +184,11 @@ class SurfacePairs:
     ) -> list[tuple[float, Any, Any]]:
         """Parts of the mesh of pair ``k``, at the origin, with parts of the other body, and lower
         bounds on their distances, least first; ``solid`` as in `gaps`."""
-        turn = rows.rotation_b[..., k]
-        rotation = np.ascontiguousarray(turn.T @ rows.rotation_a[..., k])
+        # Products depend on how matrices lie in memory, and results must not.
+        turn, other_turn = map(
+            np.ascontiguousarray, (rows.rotation_b[..., k], rows.rotation_a[..., k])
+        )
+        rotation = turn.T @ other_turn
         offset = turn.T @ (rows.centre_a[:, k] - rows.centre_b[:, k])
         others = self._parts(int(rows.first[k]), solid)
         for other in others:

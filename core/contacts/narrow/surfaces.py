@@ -62,15 +62,16 @@ class SurfacePart:
 
 @frozen
 class CoreSurface:
-    """The triangles of a core in its own frame, by their bounds and by ``spheres`` around their
-    middles, their ``corners`` (3, 3, t) by coordinate and corner and, without repetition,
-    ``points`` (n, 3), and unit ``normals`` (3, t).
+    """The triangles of a core in its own frame, by their bounds: their ``corners`` (3, 3, t) by
+    coordinate and corner and, without repetition, ``points`` (n, 3); their ``middles`` (3, t) and
+    the radii (t,) of spheres around these, and unit ``normals`` (3, t).
     ``depth`` [m]: how far beneath the surface a body touches it; 0 of a shell, infinite of a hull.
     ``size`` [m]: the smallest extent of a solid, infinite of a shell."""
 
     index: MeshIndex
-    spheres: MeshIndex
     corners: FloatArray
+    middles: FloatArray
+    radii: FloatArray
     normals: FloatArray
     low: FloatArray
     high: FloatArray
@@ -96,10 +97,12 @@ class CoreSurface:
         size = float(np.min(high - low)) + 2 * core.radius[0] if depth > 0 else np.inf
         index = MeshIndex.of(points[triangles])
         corners = np.ascontiguousarray(index.corners.transpose(2, 1, 0))
+        middles = corners.mean(axis=1)
         return cls(
             index,
-            MeshIndex.of(points[triangles], spheres=True),
             corners,
+            middles,
+            np.sqrt(((corners - middles[:, None]) ** 2).sum(axis=0).max(axis=0)),
             unit_normals(corners),
             low,
             high,
