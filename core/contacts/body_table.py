@@ -87,8 +87,8 @@ class BodyTable:
         local = new.local_bounds()
         if not self.narrow.place(number, new, local):
             return False
+        self._bounds.pop(id(self._shapes[number]), None)
         self._shapes[number] = new
-        self._bounds.pop(id(shape), None)
         self._bounds[id(new)] = local
         self._set_sizes(slice(number, number + 1), local[None])
         self.time_of_impact.measure(number, local)
