@@ -121,20 +121,20 @@ class HitSearch:
             bodies, *relative_pose(pose, other), limit, normal, centre
         )
         points = placed(pose[:, of], points)
-        numbers = table.numbers(pairs.key[rows])[of]
-        flipped = bodies[of, 0] != numbers[:, 0]
+        numbers = table.numbers(pairs.key[rows])
+        flipped = bodies[:, 0] != numbers[:, 0]
         normal = turned(pose[:9].reshape(3, 3, -1)[..., of], normal[:, of])
-        normal *= np.where(flipped, -1.0, 1.0)
+        normal *= np.where(flipped[of], -1.0, 1.0)
         distance = distance[of]
         gap = normal * (distance / 2)
         nodes = np.array([points - gap, points + gap])
         was, old = self._corners_before(bodies, last[:, rows], limit)
-        old = np.where(bodies[was, 0] != table.numbers(pairs.key[rows])[was, 0], old[::-1], old)
+        old = np.where(flipped[was], old[::-1], old)
         squared = ((nodes[..., None] - old[:, :, None]) ** 2).sum(axis=1)
         away = np.sqrt(
             np.where(of[:, None] == was, squared, np.inf).min(axis=(0, 2), initial=np.inf)
         )
-        hits = landings(self.paths, numbers, nodes, away, normal, distance, PRESSING_DISTANCE)
+        hits = landings(self.paths, numbers[of], nodes, away, normal, distance, PRESSING_DISTANCE)
         order = hits.approach.argsort(kind="stable")[::-1]
         fastest = np.unique(table.keys(hits.pairs[order]), return_index=True)[1]
         return hits.chosen(order[fastest])
