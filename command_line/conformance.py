@@ -51,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
 
 def conversation(file: Path) -> Form:
     """The conversation in a file. Raises FormatError or OSError."""
-    document = read_json(file)
+    document: Form = read_json(file)
     exchange = document.get("exchange") if isinstance(document, dict) else None
     if not isinstance(exchange, list):
         raise FormatError(file, "/exchange", "is required: a list of messages and answers")

@@ -37,10 +37,10 @@ def margins(samples: FloatArray, sample_rate: float, listeners: Sequence[Listene
     """The margins (l,) [dB] of ``samples`` (l, n) above the thresholds of feeling, by the devices
     of ``listeners``, () for those assumed; minus infinity for silence."""
     devices = [item.device for item in listeners] or [None] * len(samples)
-    sounding = samples.any(axis=1)
+    sounding = np.flatnonzero(samples.any(axis=1))
     found = np.full(len(samples), -np.inf)
-    if sounding.any():
-        theirs = [device for device, sounds in zip(devices, sounding, strict=True) if sounds]
+    if len(sounding):
+        theirs = [devices[row] for row in sounding.tolist()]
         found[sounding] = sensation_level(samples[sounding], sample_rate, theirs)
     return found
 
