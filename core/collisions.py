@@ -4,6 +4,7 @@ impacts, and temporary sources."""
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
@@ -23,8 +24,8 @@ from .contacts.settings import Body, ContactSettings
 from .contacts.tracker import ContactTracker, Endpoints
 from .contacts.transmissions import TransmissionRules
 from .frozen import frozen
-from .graph.haptic_graph import ObjectTable
-from .graph.object_frames import ObjectFrames, local_centres
+from .graph.haptic_graph import ObjectTable, large_patches
+from .graph.object_frames import ObjectFrames, local_bounds
 from .message import Message
 from .scene.choices import Mode, Strategy
 from .scene.functions import ModulationFunction
@@ -293,7 +294,7 @@ class CollisionDetector:
         return Collisions(
             contacts=contacts,
             frames=numbering.frames(frame.transforms)
-            if _asks_for_frames(frame.settings, contacts)
+            if _asks_for_frames(frame.settings, contacts, table, numbering.sizes)
             else None,
             impacts=impacts or restored,
             sources=shots + rubbing + self._sources.sources(frame.transforms),
@@ -312,8 +313,8 @@ class CollisionDetector:
         """Return the collisions of a frame whose contacts are given."""
         contacts = ContactSet.empty() if frame.contacts is None else frame.contacts
         frames = (
-            ObjectFrames.of_objects(table.objects)
-            if _asks_for_frames(frame.settings, contacts)
+            ObjectFrames.of_objects(frame.objects, frame.transforms)
+            if _asks_for_frames(frame.settings, contacts, table)
             else None
         )
         struck = frame.struck or ()
@@ -491,12 +492,24 @@ class _Numbering:
     def frames(self, transforms: FloatArray) -> ObjectFrames:
         """Return the frames of reference of the objects for rigid ``transforms`` (n, 4, 4) of the
         bodies."""
-        return ObjectFrames.unknown(self._count).placed(self.objects, self.middles, transforms)
+        return ObjectFrames.unknown(self._count).placed(self.objects, self.bounds, transforms)
+
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """The sizes (n, 3) of the objects' bounding boxes [m], NaN without a body."""
+        sizes = np.full((self._count, 3), math.nan)
+        sizes[self.objects] = np.ptp(self.bounds, axis=1)
+        return sizes
 
     @cached_property
     def middles(self) -> FloatArray:
         """The centres (n, 3) of the bodies' local bounding boxes."""
-        return local_centres([body.shape for body in self.bodies])
+        return np.asarray(self.bounds.mean(axis=1))
+
+    @cached_property
+    def bounds(self) -> FloatArray:
+        """The bodies' local bounding boxes (n, 2, 3)."""
+        return local_bounds([body.shape for body in self.bodies])
 
 
 def _places(frame: Frame) -> dict[str, FloatArray]:
@@ -515,7 +528,13 @@ def _has_hit_triggers(sources: Sequence[Source]) -> bool:
     )
 
 
-def _asks_for_frames(settings: Settings, contacts: ContactSet) -> bool:
-    return settings.strategy is Strategy.ENERGY_BALANCE or any(
-        function.uses_force for function in contacts.transmissions
+def _asks_for_frames(
+    settings: Settings, contacts: ContactSet, table: ObjectTable, sizes: FloatArray | None = None
+) -> bool:
+    """Whether gains depend on where the objects lie. ``sizes`` (n, 3): of their boxes [m], if they
+    are known."""
+    return (
+        settings.strategy is Strategy.ENERGY_BALANCE
+        or any(function.uses_force for function in contacts.transmissions)
+        or bool(len(large_patches(table, contacts, sizes)))
     )

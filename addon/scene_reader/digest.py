@@ -86,7 +86,7 @@ _NOT_FELT = frozenset(
 )
 """Properties that change nothing of what is baked: of the view, of output, of other modalities, and
 those whose values objects copy."""
-_ADDED = {"surface", "sunk_in", "impacts_in_units"}
+_ADDED = {"surface", "sunk_in", "impacts_in_units", "from_patches"}
 """Properties that the digests of earlier versions lack: left out where they have their default."""
 _NOT_EFFECTIVE = ("open_", "show_", "select", "is_active", "active", "use_pin", "strip_time")
 """Beginnings of the names of properties of modifiers, constraints and strips that have no

@@ -292,7 +292,9 @@ def _levels(
         distance = float(graph.node_distances(np.array([a]), np.array([b]))[0])
         function = item.propagation
         if isinstance(function, Physical):
-            known += math.log(float(function.spreading(np.array(distance))))
+            if graph.table.spreading is not None:
+                ends = graph.ends(np.array([a]), np.array([b]))
+                known -= graph.table.spreading.cost(number, np.array([distance]), ends)
             alpha = np.array([function.material_damping(f) for f in frequency]) * distance
             scale = math.log(transfer_coefficient(item.kappa, item.rho)) / math.log(
                 function.material_k

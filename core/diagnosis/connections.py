@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph
+from ..propagation.connections import intra_gains
 from ..render.frame_result import FrameResult
 from ..scene.values import Mode
 
@@ -76,9 +77,7 @@ def path_steps(
         bands = np.repeat(np.array([graph.sources[source].band for source, _ in paths]), counts)
         factor = np.empty(len(steps))
         for band in set(bands.tolist()):
-            factor[bands == band] = _connection_gains(
-                graph.in_band(band), steps[bands == band], length[bands == band]
-            )
+            factor[bands == band] = _connection_gains(graph.in_band(band), steps[bands == band])
     own = np.array([result.sources[source].amplitude for source, _ in paths])
     cost = -np.log(np.maximum(factor, _LEAST))
     after = _running_sums(cost, counts)
@@ -89,13 +88,12 @@ def path_steps(
     return steps, amplitude, np.stack([end - length, end], axis=1)
 
 
-def _connection_gains(graph: HapticGraph, steps: IntArray, length: FloatArray) -> FloatArray:
-    """Gain of each connection (m,) between nodes (m, 2) that are ``length`` (m,) apart."""
+def _connection_gains(graph: HapticGraph, steps: IntArray) -> FloatArray:
+    """Gain of each connection (m,) between nodes (m, 2)."""
     inter = (graph.partner[steps[:, 0]] == steps[:, 1]) & (graph.contact[steps[:, 0]] >= 0)
-    index = graph.node_object[steps[:, 0]]
     gain = np.empty(len(steps))
     gain[inter] = graph.transmission[graph.contact[steps[inter, 0]]]
-    gain[~inter] = graph.table.gains(index[~inter], length[~inter])
+    gain[~inter], _ = intra_gains(graph, *steps[~inter].T)
     return gain
 
 

@@ -58,7 +58,7 @@ def complete_graph(
         contacts = replace(
             contacts, pairs=numbers[contacts.pairs], transmissions=result.contacts.transmissions
         )
-        graph = build_graph(graph.table, contacts, result.sources, result.listeners)
+        graph = build_graph(graph.table, contacts, result.sources, result.listeners, graph.frames)
     return distance_only(graph) if settings.mode is Mode.SD else graph
 
 

@@ -157,7 +157,7 @@ class ObjectTable:
             return np.asarray(
                 gains
                 if self.spreading is None
-                else gains * np.exp(-self.spreading.at(index).cost(distance))
+                else gains * np.exp(-self.spreading.cost(index, distance))
             )
         haptic_object = self.objects[index]
         try:
@@ -167,22 +167,33 @@ class ObjectTable:
         except ValueError as error:
             raise NoGain(f"object {haptic_object.name!r}: {error}", (haptic_object.name,)) from None
 
-    def gains(self, index: IntArray, distance: FloatArray) -> FloatArray:
-        """Gains (n,) of objects ``index`` (n,) over ``distance`` (n,). Raises as `gain` does."""
+    def gains(
+        self,
+        index: IntArray,
+        distance: FloatArray,
+        ends: tuple[FloatArray, FloatArray] | None = None,
+    ) -> FloatArray:
+        """Gains (n,) of objects ``index`` (n,) over ``distance`` (n,). ``ends``: as in
+        `Spreading.cost`. Raises as `gain` does."""
         gains = self.factor[index] * np.exp(-self.decay[index] * distance)
         if self.spreading is not None:
-            gains *= np.exp(-self.spreading.at(index).cost(distance))
+            gains *= np.exp(-self.spreading.cost(index, distance, ends))
         for number in self._special_among(index):
             chosen = np.flatnonzero(index == number)
             gains[chosen] = self.gain(number, distance[chosen])
         return gains
 
-    def costs(self, index: IntArray, distance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def costs(
+        self,
+        index: IntArray,
+        distance: FloatArray,
+        ends: tuple[FloatArray, FloatArray] | None = None,
+    ) -> tuple[FloatArray, FloatArray]:
         """``-log`` of `gains` in two terms (n,), the constant one and that of the distance."""
         constant = self.loss[index]
         varying = self.decay[index] * distance
         if self.spreading is not None:
-            varying += self.spreading.at(index).cost(distance)
+            varying += self.spreading.cost(index, distance, ends)
         for number in self._special_among(index):
             chosen = np.flatnonzero(index == number)
             with np.errstate(divide="ignore"):
@@ -247,13 +258,14 @@ class HapticGraph:
         contact_delay: (c,) [s], or None.
         sources, listeners: by name, with their nodes.
         listener_nodes: (l,) node of each listener.
-        frames: centres and axes of the objects.
+        frames: centres, axes and sizes of the objects.
         forces: (c,) normal forces of the contacts [N], NaN if unknown, 0 for contacts whose
             function does not use it; None if no function does.
         reach: (n,) radius [m] about a listener's node within which distances to it are 0, 0 for
             other nodes; None if all are 0.
         points: the nodes over which each listener takes the mean, its own first; None if no
             listener does.
+        fronts: (2, n) `Spreading.fronts` of the nodes' patches; None if all are points.
     """
 
     table: ObjectTable
@@ -275,6 +287,7 @@ class HapticGraph:
     forces: FloatArray | None = None
     reach: FloatArray | None = None
     points: tuple[tuple[int, ...], ...] | None = None
+    fronts: FloatArray | None = None
 
     @property
     def node_count(self) -> int:
@@ -336,6 +349,14 @@ class HapticGraph:
             else np.maximum(apart - (self.reach[a] + self.reach[b]), 0.0)
         )
 
+    def ends(self, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray] | None:
+        """The fronts of nodes ``a[i]`` and ``b[i]``, as `Spreading.cost` takes them."""
+        return (
+            None
+            if self.fronts is None
+            else (self.fronts.take(a, axis=1), self.fronts.take(b, axis=1))
+        )
+
     def to_networkx(self) -> networkx.Graph:
         """The explicit graph, every intra-connection an edge: for small scenes and for tests.
 
@@ -355,7 +376,9 @@ class HapticGraph:
         for index in range(len(self.table.names)):
             nodes = self.nodes_of(index)
             a, b = (side + nodes.start for side in np.triu_indices(nodes.stop - nodes.start, 1))
-            gains = self.table.gain(index, self.node_distances(a, b))
+            gains = self.table.gains(
+                self.node_object[a], self.node_distances(a, b), self.ends(a, b)
+            )
             for node, other, gain in zip(a.tolist(), b.tolist(), gains.tolist(), strict=True):
                 graph.add_edge(node, other, connection="intra", gain=gain)
         for node, (partner, contact) in enumerate(
@@ -405,7 +428,7 @@ def build_graph(
         contacts: between them, which number objects as the table does.
         sources: each on an object of the table.
         listeners: each on an object of the table.
-        frames: centres and axes of the objects of the table; None where they are unknown.
+        frames: of the objects of the table; None where they are unknown.
         gravity: [m/s^2], from which the forces of resting contacts follow if a function uses them.
 
     Raises:
@@ -481,7 +504,37 @@ def build_graph(
         forces=forces,
         reach=_reach(listeners, listener_nodes, len(rank)),
         points=_points(listeners, listener_nodes.tolist()),
+        fronts=_fronts(table, contacts, frames, rank),
     )
+
+
+def large_patches(
+    table: ObjectTable, contacts: ContactSet, sizes: FloatArray | None = None
+) -> IntArray:
+    """Numbers (k,) of the contacts whose patches may be more than points between objects whose
+    boxes have ``sizes`` (n, 3) [m], whatever these are by default."""
+    if table.spreading is None or not table.spreading.from_patches:
+        return np.zeros(0, dtype=np.int64)
+    pairs = contacts.pairs.T
+    point = np.minimum(*table.spreading.point[pairs])
+    thin = 0.0 if sizes is None else np.fmin(*sizes.min(axis=1)[pairs])
+    with np.errstate(invalid="ignore"):  # no patch is larger than an infinite point
+        return np.flatnonzero(contacts.area > point * np.fmin(point, thin))
+
+
+def _fronts(
+    table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, rank: IntArray
+) -> FloatArray | None:
+    """`HapticGraph.fronts`; ``rank`` (n,): as in `_inter_connections`."""
+    large = large_patches(table, contacts, frames.size)
+    if table.spreading is None or len(large) == 0:
+        return None
+    pairs = contacts.pairs[large]
+    size = frames.patch_sizes(pairs, contacts.area[large], contacts.normal[large])
+    fronts = np.zeros((2, len(rank)))
+    for index, nodes in zip(pairs.T, rank[: 2 * len(contacts)].reshape(2, -1), strict=True):
+        fronts[:, nodes[large]] = table.spreading.fronts(index, size)
+    return fronts
 
 
 def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatArray | None:

@@ -1,4 +1,4 @@
-"""Frames of reference of objects: centres and axes of their bounding boxes, from shapes and
+"""Frames of reference of objects: centres, axes and sizes of their bounding boxes, from shapes and
 poses."""
 
 from __future__ import annotations
@@ -13,20 +13,26 @@ from ..contacts.shapes import Shape, pose_matrix
 from ..frozen import frozen
 from ..scene.values import HapticObject, Pose
 
+SHEET = 0.01
+"""Least thickness [m] of a body whose edge a patch may fill: an edge of a thinner one is none."""
+
 
 @frozen(eq=False)
 class ObjectFrames:
     """``centre`` (n, 3) of each object's bounding box [m, world], NaN for an object without a
-    shape; ``axes`` (n, 3, 3): the object's own axes as columns."""
+    shape; ``axes`` (n, 3, 3): the object's own axes as columns; ``size`` (n, 3): along these [m],
+    NaN without a shape."""
 
     centre: FloatArray
     axes: FloatArray
+    size: FloatArray
 
     def __eq__(self, other: object) -> bool:
         return (
             isinstance(other, ObjectFrames)
             and np.array_equal(self.centre, other.centre, equal_nan=True)
             and np.array_equal(self.axes, other.axes)
+            and np.array_equal(self.size, other.size, equal_nan=True)
         )
 
     @classmethod
@@ -37,38 +43,54 @@ class ObjectFrames:
         axes = np.tile(np.eye(3), (count, 1, 1))
         centre.setflags(write=False)
         axes.setflags(write=False)
-        return cls(centre, axes)
+        return cls(centre, axes, centre)
 
     @classmethod
-    def of_objects(cls, objects: Sequence[HapticObject]) -> ObjectFrames:
-        """From the shapes and poses of a scene's objects."""
+    def of_objects(
+        cls, objects: Sequence[HapticObject], transforms: FloatArray | None = None
+    ) -> ObjectFrames:
+        """Of a scene's objects in the order of their names, from their shapes and their
+        ``transforms`` (n, 4, 4), by default their poses."""
         frames = cls.unknown(len(objects))
-        shaped = [number for number, item in enumerate(objects) if item.shape is not None]
+        order = sorted(range(len(objects)), key=lambda k: objects[k].name)
+        shaped = [(number, k) for number, k in enumerate(order) if objects[k].shape is not None]
         if not shaped:
             return frames
-        transforms = np.array([pose_matrix(objects[number].pose or Pose()) for number in shaped])
+        numbers, chosen = np.array(shaped).T
         return frames.placed(
-            np.array(shaped),
-            local_centres([objects[number].shape for number in shaped]),
-            transforms,
+            numbers,
+            local_bounds([objects[k].shape for k in chosen]),
+            np.array([pose_matrix(objects[k].pose or Pose()) for k in chosen])
+            if transforms is None
+            else transforms[chosen],
         )
 
-    def placed(
-        self, numbers: IntArray, centres: FloatArray, transforms: FloatArray
-    ) -> ObjectFrames:
-        """With objects ``numbers`` (k,) under rigid ``transforms`` (k, 4, 4), the middle of each
-        box at local ``centres`` (k, 3)."""
+    def placed(self, numbers: IntArray, bounds: FloatArray, transforms: FloatArray) -> ObjectFrames:
+        """With objects ``numbers`` (k,) under rigid ``transforms`` (k, 4, 4), whose boxes have the
+        local ``bounds`` (k, 2, 3)."""
         centre = self.centre.copy()
         axes = self.axes.copy()
+        size = self.size.copy()
+        size[numbers] = bounds[:, 1] - bounds[:, 0]
         axes[numbers] = transforms[:, :3, :3]
-        centre[numbers] = (transforms[:, :3, :3] * centres[:, None]).sum(axis=2) + transforms[
-            :, :3, 3
-        ]
-        return ObjectFrames(centre, axes)
+        centre[numbers] = (transforms[:, :3, :3] * bounds.mean(axis=1)[:, None]).sum(
+            axis=2
+        ) + transforms[:, :3, 3]
+        return ObjectFrames(centre, axes, size)
+
+    def patch_sizes(self, pairs: IntArray, area: FloatArray, normal: FloatArray) -> FloatArray:
+        """Sizes (k,) [m] of patches between objects (k, 2): the side of a square of their ``area``
+        (k,) [m^2], or the length of one that is as wide as an object is thick; at most twice the
+        width of either object, as waves run along what is longer. ``normal`` (k, 3): of the
+        patches, in the world."""
+        size = self.size[pairs]
+        others = np.maximum(np.minimum(size[..., [1, 2, 0]], size[..., [2, 0, 1]]), SHEET)
+        facing = (normal[:, None, :, None] * self.axes[pairs]).sum(axis=2) ** 2
+        length = area * np.fmax.reduce((facing / others).sum(axis=2), axis=1)
+        most = 2 * np.fmin.reduce(np.median(size, axis=2), axis=1)
+        return np.asarray(np.fmin(np.fmax(np.sqrt(area), length), most))
 
 
-def local_centres(shapes: Sequence[Shape]) -> FloatArray:
-    """Middles (n, 3) of the bounding boxes of shapes in their own space."""
-    return np.array(
-        [shape.local_bounds().mean(axis=0) for shape in shapes], dtype=np.float64
-    ).reshape(-1, 3)
+def local_bounds(shapes: Sequence[Shape]) -> FloatArray:
+    """Bounding boxes (n, 2, 3) of shapes in their own space."""
+    return np.array([shape.local_bounds() for shape in shapes], dtype=np.float64).reshape(-1, 2, 3)

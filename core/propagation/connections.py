@@ -46,7 +46,9 @@ def cost_limit(threshold: float) -> float:
 
 def intra_costs(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
     """Costs of the intra-connections between nodes ``a[i]`` and ``b[i]`` of one object each."""
-    constant, varying = graph.table.costs(graph.node_object[a], graph.node_distances(a, b))
+    constant, varying = graph.table.costs(
+        graph.node_object[a], graph.node_distances(a, b), graph.ends(a, b)
+    )
     constant += varying
     return constant
 
@@ -55,7 +57,7 @@ def intra_gains(graph: HapticGraph, a: IntArray, b: IntArray) -> tuple[FloatArra
     """Gains of the intra-connections between nodes ``a[i]`` and ``b[i]``, and distances in
     metres."""
     distance = graph.node_distances(a, b)
-    return graph.table.gains(graph.node_object[a], distance), distance
+    return graph.table.gains(graph.node_object[a], distance, graph.ends(a, b)), distance
 
 
 def lanes_of(graph: HapticGraph) -> int:
@@ -105,18 +107,17 @@ class PathConnections:
         self._count = len(a)
         self._inside = inside.nonzero()[0]
         self._across = across.nonzero()[0]
-        a = a[self._inside]
-        self._object, self._distance = (
-            graph.node_object[a],
-            graph.node_distances(a, b[self._inside]),
-        )
+        a, b = a[self._inside], b[self._inside]
+        self._object = graph.node_object[a]
+        self._distance = graph.node_distances(a, b)
+        self._patches = graph.ends(a, b)
         self._contact = graph.contact[nodes[self._across]]
 
     def costs(self) -> list[float]:
         """The cost ``-log(gain)`` of each path: the exactly rounded sum of the costs of its
         connections."""
         terms = np.zeros((self._count, 2))
-        constant, varying = self._graph.table.costs(self._object, self._distance)
+        constant, varying = self._graph.table.costs(self._object, self._distance, self._patches)
         terms[self._inside, 0], terms[self._inside, 1] = constant, varying
         terms[self._across, 0] = self._graph.transmission_loss[self._contact]
         flat = terms.reshape(-1).tolist()

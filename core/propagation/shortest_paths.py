@@ -50,6 +50,9 @@ FEW = 400
 SMALL = 1024
 """Up to this many nodes or objects, arrays are copied into lists for access element by element."""
 
+POINT = 0.0, 0.0
+"""The front of a node whose patch is a point."""
+
 LARGE = 48
 """From this many nodes on, Dijkstra's algorithm relaxes an object as an array."""
 
@@ -154,7 +157,6 @@ class _Relaxation:
             [np.maximum(0.0, table.loss)[index] for table in self.tables]
         )
         self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
-        self.spreading = None if graph.table.spreading is None else graph.table.spreading.at(index)
         # Per node: cost of its inter-connection; contact -1 takes the appended infinity.
         self.crossing = np.concatenate(
             [
@@ -299,8 +301,10 @@ def _relax(
     begin = node[which]
     distance = work.distances(begin, other)
     candidate = base[which] + work.node_decay[work.table_index(row, node)][which] * distance
-    if work.spreading is not None:
-        candidate += work.spreading.at(begin).cost(distance)
+    if graph.table.spreading is not None:
+        candidate += graph.table.spreading.cost(
+            graph.node_object[begin], distance, graph.ends(begin, other)
+        )
     if work.special is not None:
         chosen = work.special[begin].nonzero()[0]
         candidate[chosen] = cost[which[chosen]] + np.maximum(
@@ -371,6 +375,7 @@ class _Elements:
     Attributes:
         points: positions of the nodes; in a large graph, of the objects visited so far.
         laws: how waves spread in the objects visited so far; None where no function spreads.
+        fronts: of the nodes whose patches are no points.
         by_table: objects whose costs are not the constant loss plus decay times distance, and are
             computed by the table.
     """
@@ -390,16 +395,29 @@ class _Elements:
         self.by_table = graph.table.special
         if graph.reach is not None:
             self.by_table |= set(graph.node_object[graph.reach > 0].tolist())
+        self.fronts: dict[int, list[float]] = {}
+        if graph.fronts is not None:
+            large = graph.fronts[0].nonzero()[0]
+            self.fronts.update(zip(large.tolist(), graph.fronts[:, large].T.tolist(), strict=True))
         if work.count <= SMALL:
             self.points.update(enumerate(graph.node_position.tolist()))
 
-    def law(self, index: int) -> Law:
-        """The law by which waves spread in an object."""
+    def spread(
+        self, index: int, node: int, found: list[tuple[int, float]]
+    ) -> list[tuple[int, float]]:
+        """The ``found`` nodes and costs in an object with those of spreading from ``node``."""
         assert self.laws is not None
-        known = self.laws.get(index)
-        if known is None:
-            known = self.laws[index] = self.table.objects[index].propagation.spreading_law()
-        return known
+        law = self.laws.get(index)
+        if law is None:
+            law = self.laws[index] = self.table.objects[index].propagation.spreading_law()
+        here, points, distance = self.points[node], self.points, math.dist
+        if not self.fronts:
+            return [(k, cost + law.cost(distance(here, points[k]))) for k, cost in found]
+        own, fronts = self.fronts.get(node, POINT), self.fronts
+        return [
+            (k, cost + law.between(distance(here, points[k]), own, fronts.get(k, POINT)))
+            for k, cost in found
+        ]
 
 
 def _dijkstra(
@@ -456,8 +474,11 @@ def _dijkstra(
         work.relaxed += last - first
         if index in elements.by_table or last - first >= LARGE:
             nodes = np.arange(first, last)
+            begin = np.full(last - first, node)
             constant, varying = elements.table.costs(
-                graph.node_object[nodes], graph.node_distances(np.full(last - first, node), nodes)
+                graph.node_object[nodes],
+                graph.node_distances(begin, nodes),
+                graph.ends(begin, nodes),
             )
             candidate = cost + np.maximum(0.0, constant + varying)
             better = (
@@ -475,8 +496,7 @@ def _dijkstra(
                 if arrives[k] > base
             ]
             if elements.laws is not None:
-                law = elements.law(index).cost
-                found = [(k, value + law(distance(here, points[k]))) for k, value in found]
+                found = elements.spread(index, node, found)
         nearer = False
         for other, value in found:
             if value < arrives[other] and value <= limit and other != node:

@@ -140,8 +140,9 @@ class WalkOperator:
             begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True
         ):
             part = slice(first, first + count)
-            position = graph.node_position[self._entry[part]]
-            gains = graph.table.gain(int(object_of[first]), distances(position[:, None], position))
+            nodes = self._entry[part]
+            gains, _ = intra_gains(graph, nodes.repeat(count), np.tile(nodes, count))
+            gains = gains.reshape(count, count)
             np.fill_diagonal(gains, 0.0)
             self._blocks.append((part, np.minimum(gains, LARGEST)))
         few = (size > 1) & (size < DENSE)

@@ -128,6 +128,7 @@ def physical(
         absorption=IN_A_BUILDING if in_a_building else 0.0,
         material_k=material.k,
         extent=max(middle, 1e-3),
+        from_patches=name != "flesh",
     )
     if name == "flesh":
         function = replace(function, extent=max(large, 1e-3))

@@ -33,6 +33,13 @@ METRIC: tuple[ModulationFunction, ...] = (
     Physical(
         wave=Wave.SURFACE, loss_factor=0.2, phase_speed=200.0, reference_distance=0.3, extent=1.0
     ),
+    Physical(
+        wave=Wave.BOUNDED,
+        thickness=0.5,
+        extent=2.0,
+        reference_distance=0.3,
+        from_patches=True,
+    ),
 )
 LOW = Sine(25.0)
 """A signal in the lowest band, for which the path of the largest plain gain is the best one."""
@@ -84,6 +91,7 @@ def scenes(
                 (first, second),
                 (at, draw(st.sampled_from([at, draw(place)]))),
                 draw(st.sampled_from(transmissions)),
+                area=draw(st.sampled_from([0.0, 0.3, 5.0])),
                 share=share,
             )
         )
@@ -195,6 +203,7 @@ def connected_scene(
                 pair,
                 (at if k == 0 else place(), at),
                 random.choice(transmissions),
+                area=(0.0, 0.3, 5.0)[len(contacts) % 3],
                 share=1 / points,
             )
             for k in range(points)

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ...arrays import FloatArray
-from ...declaration import choice, number
+from ...declaration import choice, number, switch
 from ...frozen import frozen
 from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
@@ -74,6 +74,9 @@ class Physical(ModulationFunction):
     material's own ``K0 = material_k`` the factor is 1, at K = 1 there is no damping, at K = 0 the
     gain is 0. The plain gain is that of the lowest frequency band, which is the highest; the other
     bands follow the formula, unless none of them differs by half a decibel over ten metres.
+
+    With ``from_patches``, waves begin at a contact as fronts that are as large as its patch, if
+    that is larger than r0 (`Spreading.cost`).
 
     Lengths in metres: ``thickness`` of a plate or bounded body, ``reference_distance`` r0 (the
     radius of the driven area), ``extent``: the width of a bounded body, else the length of the body
@@ -170,6 +173,12 @@ class Physical(ModulationFunction):
         soft=(0.0, 300.0),
         unit="Hz",
     )
+    from_patches: bool = switch(
+        False,
+        "From Patches",
+        "At large contacts, spreading begins with the size of the patch instead of at a point, so "
+        "that cuts through a body hardly change anything. Off in files of earlier versions",
+    )
 
     def material_damping(self, frequency: float) -> float:
         """Attenuation alpha [1/m] at ``frequency`` [Hz] of the material itself, at ``K =
@@ -199,7 +208,7 @@ class Physical(ModulationFunction):
     def spreading(self, distance: FloatArray) -> FloatArray:
         """The gain by spreading alone."""
         law = Spreading.of([self.spreading_law()])
-        return np.ones(np.shape(distance)) if law is None else np.exp(-law.at(0).cost(distance))
+        return np.ones(np.shape(distance)) if law is None else np.exp(-law.cost(0, distance))
 
     def gain(
         self,
@@ -220,19 +229,19 @@ class Physical(ModulationFunction):
     def spreading_law(self) -> Law:
         start = self.reference_distance
         end = self.extent or math.inf
+        point = start if self.from_patches else math.inf
         match self.wave:
             case Wave.BOUNDED:
                 width = max(start, self.thickness)
                 over = max(end - start, 0.0)  # where it fills thickness and width
                 if self.thickness > start:
-                    return Law(
-                        1.0, start, self.thickness - start, width, max(over, self.thickness - start)
-                    )
-                return Law(0.5, start, over, width, over)
+                    near = self.thickness - start
+                    return Law(1.0, start, near, width, max(over, near), point)
+                return Law(0.5, start, over, start + over, over, point)
             case Wave.SOLID:
                 return Law(1.0, start, end, start, end)
             case Wave.PLATE | Wave.SURFACE:
-                return Law(0.5, start, end, start, end)
+                return Law(0.5, start, end, start + end, end, point)
         return NO_SPREADING
 
     def _relative_decays(self, kappa: float, rho: float) -> tuple[float, ...]:

@@ -1,5 +1,6 @@
 """Geometric spreading of waves: through a volume or over a surface up to a first distance, over a
-surface up to a second one, and no further."""
+surface up to a second one, and no further. It begins at a point, or at a contact with the size of
+its patch."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ class Law(NamedTuple):
 
     Lengths in metres. Where ``over`` exceeds the extent, the exponent is 1 and the width is at
     least ``reference + extent``: so the cost ``-log(gain)`` is 0 at distance 0, concave and
-    non-decreasing, a metric.
+    non-decreasing, a metric. In the equations of `Spreading` waves go on beyond ``over``; the width
+    says how. Patches up to the size ``point`` count as points.
     """
 
     exponent: float
@@ -26,14 +28,21 @@ class Law(NamedTuple):
     extent: float
     width: float
     over: float
+    point: float = math.inf
 
     def cost(self, distance: float) -> float:
-        """The cost over one distance."""
-        cost = self.exponent * math.log1p(min(distance, self.extent) / self.reference)
+        """The cost over one distance between points."""
+        return self._unbounded(min(distance, self.over))
+
+    def between(self, distance: float, one: Sequence[float], other: Sequence[float]) -> float:
+        """The cost over one distance between the fronts of two patches, see `Spreading.cost`."""
+        run = max(one[0], other[0], min(distance + (one[0] + other[0]) / 2, self.over))
+        return max(self._unbounded(run) - one[1] - other[1], 0.0)
+
+    def _unbounded(self, run: float) -> float:
+        cost = self.exponent * math.log1p(min(run, self.extent) / self.reference)
         return (
-            cost + 0.5 * math.log1p((min(distance, self.over) - self.extent) / self.width)
-            if distance > self.extent
-            else cost
+            cost + 0.5 * math.log1p((run - self.extent) / self.width) if run > self.extent else cost
         )
 
 
@@ -41,28 +50,56 @@ NO_SPREADING = Law(0.0, 1.0, math.inf, 1.0, math.inf)
 
 
 class Spreading:
-    """The laws of several objects or nodes as arrays."""
+    """The laws of several objects as arrays. ``point`` (n,): the largest size [m] of patches that
+    count as points. ``from_patches``: whether any may be larger."""
 
-    def __init__(self, near: FloatArray, far: FloatArray | None) -> None:
-        self._near, self._far = near, far
+    def __init__(self, laws: Sequence[Law]) -> None:
+        self._laws = np.array([law[:5] for law in laws]).T
+        self.point = np.array([law.point for law in laws])
+        self.from_patches = bool((self.point < math.inf).any())
+        self._one_stage = bool((self._laws[4] <= self._laws[2]).all())
 
     @classmethod
     def of(cls, laws: Sequence[Law]) -> Spreading | None:
         """The laws as arrays; None if waves spread in none of the objects."""
-        if not any(law.exponent for law in laws):
-            return None
-        near, far = np.split(np.array(laws).T, [3])
-        return cls(near, np.stack([near[2], *far]) if (far[1] > near[2]).any() else None)
+        return cls(laws) if any(law.exponent for law in laws) else None
 
-    def at(self, index: IntArray | int) -> Spreading:
-        """The laws of some objects or nodes, by number."""
-        return Spreading(self._near[:, index], None if self._far is None else self._far[:, index])
+    def fronts(self, index: IntArray, size: FloatArray) -> FloatArray:
+        """Patches of ``size`` (m,) [m] in objects ``index`` (m,) as fronts of waves from a point:
+        how far they have run [m], 0 for a point, and half the cost of that (2, m)."""
+        run = np.maximum(size - self.point[index], 0.0)
+        return np.stack([run, self._unbounded(index, run) / 2])
 
-    def cost(self, distance: FloatArray) -> FloatArray:
-        """The cost over distances, one for each law."""
-        exponent, reference, extent = self._near
-        cost = exponent * np.log1p(np.minimum(distance, extent) / reference)
-        if self._far is not None:
-            begin, width, over = self._far
-            cost += 0.5 * np.log1p(np.maximum(np.minimum(distance, over) - begin, 0.0) / width)
+    def cost(
+        self,
+        index: IntArray | int,
+        distance: FloatArray,
+        ends: tuple[FloatArray, FloatArray] | None = None,
+    ) -> FloatArray:
+        """The cost over distances in objects ``index``, one for each distance or a single one.
+
+        Between patches, a wave has run some way before: with R for the run of a front that is as
+        large as a patch, it runs D = max(R_i, R_j, min(d + (R_i + R_j) / 2, over)), and its cost is
+        S(D) - (S(R_i) + S(R_j)) / 2. S is concave, so that is a metric again.
+
+        Args:
+            index: of the objects.
+            distance: [m].
+            ends: `fronts` of the two ends; None if they are points.
+        """
+        if ends is not None:
+            (one, half), (other, other_half) = ends
+            run = np.minimum(distance + (one + other) / 2, self._laws[4].take(index))
+            run = np.maximum(np.maximum(one, other), run)
+            return np.asarray(np.maximum(self._unbounded(index, run) - half - other_half, 0.0))
+        if self._one_stage:
+            exponent, reference, extent = self._laws[:3].take(index, axis=1)
+            return np.asarray(exponent * np.log1p(np.minimum(distance, extent) / reference))
+        return self._unbounded(index, np.minimum(distance, self._laws[4].take(index)))
+
+    def _unbounded(self, index: IntArray | int, run: FloatArray) -> FloatArray:
+        """The cost over a run [m] of waves that go on beyond ``over``."""
+        exponent, reference, extent, width, _ = self._laws.take(index, axis=1)
+        cost = exponent * np.log1p(np.minimum(run, extent) / reference)
+        cost += 0.5 * np.log1p(np.maximum(run - extent, 0.0) / width)
         return np.asarray(cost)

@@ -58,6 +58,48 @@ def leaning(seed: int, count: int = 6) -> HapticScene:
     )
 
 
+def storeys(seed: int) -> HapticScene:
+    """Walls and floors of two storeys with crates: patches of metres."""
+    random = np.random.default_rng(seed)
+    objects = [GROUND]
+    for storey in range(2):
+        below = 2.75 * storey
+        for k, (place, size) in enumerate(
+            (
+                ((0, 2.9, 1.25), (6, 0.2, 2.5)),
+                ((0, -2.9, 1.25), (6, 0.2, 2.5)),
+                ((2.9, 0, 1.25), (0.2, 5.6, 2.5)),
+                ((0, 0, 2.625), (6, 6, 0.25)),
+            )
+        ):
+            pose = Pose((place[0], place[1], below + place[2]))
+            objects.append(HapticObject(f"part {storey} {k}", 0.1, 0.9, shape=Box(size), pose=pose))
+        for k in range(3):
+            size = random.uniform(0.4, 1.2, 3)
+            pose = Pose(
+                (*random.uniform(-2, 2, 2), below + 2.75 + size[2] / 2),
+                (math.cos(k), 0.0, 0.0, math.sin(k)),
+            )
+            crate = HapticObject(f"crate {storey} {k}", 0.1, 0.9, shape=Box(tuple(size)), pose=pose)
+            objects.append(crate)
+    places = {item.name: item.pose.position for item in objects[1:]}
+    return HapticScene(
+        tuple(objects),
+        (),
+        tuple(Source(f"s{k}", f"crate 0 {k}", places[f"crate 0 {k}"]) for k in range(3)),
+        tuple(Listener(f"l {name}", name, place) for name, place in places.items()),
+    )
+
+
+@pytest.mark.slow
+def test_levels_through_patches_of_metres():
+    scene = of_measured_materials(storeys(1))
+    assert max(contacts_of_scene(scene).area) > 1
+    change = changes_of_moved_bodies(scene, frozenset({"ground"}), seed=2)
+    assert len(change) == 20 * 3 * 14
+    assert np.percentile(change, 99) < 0.5
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("measured", [False, True])
 def test_levels_through_edges_that_tilt_by_a_milliradian(measured):

@@ -4,12 +4,14 @@ functions that are metrics."""
 from __future__ import annotations
 
 import math
+from random import Random
 
 import networkx
 import pytest
+from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
-from haptic_tracing.core.scene.functions import Identity, Linear
+from haptic_tracing.core.scene.functions import Identity, Linear, Physical, Wave
 from haptic_tracing.core.scene.values import (
     Contact,
     HapticObject,
@@ -21,6 +23,7 @@ from haptic_tracing.core.scene.values import (
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from level_properties import check_shown
 from path_reference import (
     AMPLIFYING,
     METRIC,
@@ -127,6 +130,34 @@ def test_equals_dijkstra_on_the_explicit_graph(scene):
         ]
         expected = math.exp(-min(costs)) if costs else 0.0
         assert result.gain[0, column] == pytest.approx(expected, rel=1e-9, abs=0)
+
+
+def test_a_wide_floor_of_slabs():
+    """Joined over parts of their edges; too many contacts for single connections."""
+    side, random = 14, Random(5)
+    slab = Physical(wave=Wave.BOUNDED, thickness=0.2, extent=3.0, from_patches=True)
+    objects = {
+        (i, j): HapticObject(f"{i:02d} {j:02d}", 0.1, 0.9, slab, Box((3, 3, 0.2)))
+        for i in range(side)
+        for j in range(side)
+    }
+    contacts = []
+    for (i, j), item in objects.items():
+        for di, dj in ((1, 0), (0, 1)):
+            other = objects.get((i + di, j + dj))
+            at = (3 * i + 1.5 * di, 3 * j + 1.5 * dj, 0.0)
+            if other is not None and random.random() < 0.8:
+                area = 0.6 * random.choice([0.0, 0.3, 0.7, 1.0])
+                pair = item.name, other.name
+                contacts.append(Contact(pair, (at, at), area=area, normal=(di, dj, 0)))
+    scene = HapticScene(
+        tuple(objects.values()),
+        tuple(contacts),
+        (Source("s", "03 04", (8.0, 12.5, 0.0)),),
+        tuple(Listener(f"l{k}", f"{k:02d} 07", (3.0 * k, 21.0, 0.0)) for k in range(side)),
+    )
+    graph = graph_of_scene(scene)
+    check_shown(graph, propagate(graph, Settings()), Settings().threshold)
 
 
 def test_way_back_through_an_entry_of_another_path():

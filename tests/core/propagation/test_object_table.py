@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.graph.haptic_graph import NoGain, ObjectTable
 from haptic_tracing.core.scene.functions import Expression, Physical, Wave
+from haptic_tracing.core.scene.functions.spreading import Spreading
 from haptic_tracing.core.scene.values import HapticObject
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -20,7 +21,10 @@ PHYSICAL = st.builds(
     phase_speed=st.floats(50, 5000),
     reference_distance=st.floats(0.01, 2),
     extent=st.sampled_from([0.0, 0.3, 5.0]),
+    thickness=st.floats(0.01, 3),
+    from_patches=st.booleans(),
 )
+SIZES = st.one_of(st.just(0.0), st.floats(0, 20))
 
 
 @pytest.mark.slow
@@ -59,6 +63,50 @@ def test_the_cost_of_a_closed_form_is_a_constant_and_a_metric(function, a, b, co
     third = math.sqrt(max(a * a + b * b - 2 * a * b * cosine, 0.0))
     cost = table.costs(np.zeros(3, dtype=np.int64), np.array([a, b, third]))[1]
     assert cost[2] <= (cost[0] + cost[1]) * (1 + 1e-12) + 1e-12
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(
+    PHYSICAL, st.tuples(SIZES, SIZES, SIZES), st.floats(0, 20), st.floats(0, 20), st.floats(-1, 1)
+)
+def test_the_cost_between_patches_is_a_metric(function, sizes, a, b, cosine):
+    """Of patches of these sizes in the corners of a triangle; and with one cost for arrays and for
+    single connections."""
+    law = function.spreading_law()
+    spreading = Spreading([law])
+    fronts = spreading.fronts(np.zeros(3, dtype=np.int64), np.array(sizes)).T
+    third = math.sqrt(max(a * a + b * b - 2 * a * b * cosine, 0.0))
+    ways = ((0, 1, a), (1, 2, b), (0, 2, third), (0, 0, 0.0))
+    cost = [float(spreading.cost(0, np.array(way), (fronts[i], fronts[j]))) for i, j, way in ways]
+    assert cost[2] <= (cost[0] + cost[1]) * (1 + 1e-12) + 1e-12
+    assert min(cost) >= 0 and cost[3] == 0
+    assert cost == pytest.approx(
+        [law.between(way, fronts[i], fronts[j]) for i, j, way in ways], rel=1e-12, abs=1e-13
+    )
+    if not max(sizes):
+        plain = [float(spreading.cost(0, np.array(way))) for _, _, way in ways]
+        assert cost == pytest.approx(plain, rel=1e-12, abs=1e-13)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.floats(0.02, 3), st.floats(0.02, 9), st.floats(0, 20), SIZES, SIZES)
+def test_energy_between_patches_goes_as_the_area_of_the_front(thickness, width, d, one, other):
+    """A front that is s metres large has the area s min(s, thickness). The energy is the geometric
+    mean of the areas of both patches, by that of the largest front on the way."""
+    r = 0.5
+    thickness, width = sorted((thickness, width))
+    function = Physical(wave=Wave.BOUNDED, thickness=thickness, extent=width, from_patches=True)
+    law = Spreading([function.spreading_law()])
+
+    def area(s: float) -> float:
+        return s * min(s, thickness) if thickness > r else s
+
+    sizes = max(one, r), max(other, r)
+    fronts = law.fronts(np.zeros(2, dtype=np.int64), np.array([one, other])).T
+    largest = max(*sizes, min(d + sum(sizes) / 2, max(r, width)))
+    expected = math.sqrt(area(sizes[0]) * area(sizes[1])) / area(largest)
+    found = math.exp(-2 * float(law.cost(0, np.array(d), (fronts[0], fronts[1]))))
+    assert found == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_object_without_a_gain_is_named():

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping
 from functools import cache
 
 import mpmath
@@ -13,7 +14,7 @@ import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.bands import BAND_CENTRES
-from haptic_tracing.core.scene.functions import Constant, Exponential, Identity, Physical
+from haptic_tracing.core.scene.functions import Constant, Exponential, Identity, Physical, Wave
 from haptic_tracing.core.scene.values import (
     Contact,
     HapticObject,
@@ -22,6 +23,7 @@ from haptic_tracing.core.scene.values import (
     Settings,
     Source,
     Strategy,
+    Vector,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -32,26 +34,45 @@ LONG, KAPPA = 30_000, 1.11e-3
 SEEDS = st.integers(0, 10**6)
 
 
-def surface_wave_gain(function: Physical, k: mpmath.mpf, distance: mpmath.mpf) -> mpmath.mpf:
-    """Spreading as the root of distance up to the body's extent, damping at the centre of the
-    lowest band, scaled by ln K / ln K0."""
+def physical_gain(
+    function: Physical, k: mpmath.mpf, distance: mpmath.mpf, sizes: list[mpmath.mpf]
+) -> mpmath.mpf:
+    """Spreading by the areas of fronts, which begin with the sizes of patches and end where the
+    body is filled; damping at the centre of the lowest band, scaled by ln K / ln K0."""
     if k <= 0:
         return mpmath.mpf(distance == 0)
-    damping = (
-        mpmath.pi
-        * mpmath.mpf(BAND_CENTRES[0])
-        * mpmath.mpf(function.loss_factor)
-        / mpmath.mpf(function.phase_speed)
+    radius, thickness, extent, speed = map(
+        mpmath.mpf,
+        (
+            function.reference_distance,
+            function.thickness,
+            function.extent,
+            function.phase_speed,
+        ),
     )
+    frequency = mpmath.mpf(BAND_CENTRES[0])
+    filled = radius + extent
+    if function.wave is Wave.BOUNDED:
+        filled = max(radius, extent)
+        speed = min(speed, 2 * mpmath.sqrt(mpmath.mpf(1.8) * speed * thickness * frequency))
+    damping = mpmath.pi * frequency * mpmath.mpf(function.loss_factor) / speed
     damping *= mpmath.log(k) / mpmath.log(mpmath.mpf(function.material_k))
-    spread = 1 + min(distance, mpmath.mpf(function.extent)) / mpmath.mpf(
-        function.reference_distance
-    )
-    return mpmath.exp(-damping * distance) / mpmath.sqrt(spread)
+
+    def area(size: mpmath.mpf) -> mpmath.mpf:
+        deep = function.wave is Wave.BOUNDED and thickness > radius
+        return size * min(size, thickness) if deep else size
+
+    ends = [max(radius, size) if function.from_patches else radius for size in sizes]
+    largest = max(*ends, min(distance + sum(ends) / 2, filled))
+    spread = mpmath.sqrt(area(ends[0]) * area(ends[1])) / area(largest)
+    return mpmath.exp(-damping * distance) * mpmath.sqrt(spread)
 
 
-def exact_gain(graph: HapticGraph, a: int, b: int) -> mpmath.mpf:
-    """Gain of a connection from the authored numbers alone."""
+def exact_gain(
+    graph: HapticGraph, areas: Mapping[tuple[str, Vector], float], a: int, b: int
+) -> mpmath.mpf:
+    """Gain of a connection from the authored numbers alone; ``areas``: of patches by object and
+    place."""
     place = [[mpmath.mpf(x) for x in graph.node_position[node].tolist()] for node in (a, b)]
     distance = mpmath.sqrt(sum((x - y) ** 2 for x, y in zip(*place, strict=True)))
     if graph.partner[a] == b:
@@ -65,14 +86,23 @@ def exact_gain(graph: HapticGraph, a: int, b: int) -> mpmath.mpf:
         return mpmath.mpf(item.propagation.gain_value)
     k = (1 - mpmath.mpf(item.kappa)) * mpmath.mpf(item.rho)
     if isinstance(item.propagation, Physical):
-        return surface_wave_gain(item.propagation, k, distance)
+        sizes = [
+            mpmath.sqrt(areas.get((item.name, tuple(graph.node_position[node].tolist())), 0.0))
+            for node in (a, b)
+        ]
+        return physical_gain(item.propagation, k, distance, sizes)
     return k * mpmath.exp(-max(k, mpmath.mpf(graph.table.epsilon)) * distance)
 
 
-def exact_path(graph: HapticGraph, path: tuple[int, ...]) -> mpmath.mpf:
+def exact_path(graph: HapticGraph, scene: HapticScene, path: tuple[int, ...]) -> mpmath.mpf:
+    areas = {
+        (name, place): contact.area
+        for contact in scene.contacts
+        for name, place in zip(contact.objects, contact.positions, strict=True)
+    }
     product = mpmath.mpf(1)
     for a, b in itertools.pairwise(path):
-        product *= exact_gain(graph, a, b)
+        product *= exact_gain(graph, areas, a, b)
     return product
 
 
@@ -93,6 +123,7 @@ def test_random_scenes(seed, size, offset):
                 c.objects,
                 tuple(tuple(x + offset for x in p) for p in c.positions),
                 c.transmission,
+                area=c.area,
                 share=c.share,
             )
             for c in scene.contacts
@@ -105,7 +136,9 @@ def test_random_scenes(seed, size, offset):
         best = propagate(graph, Settings(strategy=Strategy.BEST_PATH, **FREE))
         total = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE))
         for column in range(len(graph.listeners)):
-            gains = [exact_path(graph, path) for path, _ in recursive_paths(graph, 0, column)]
+            gains = [
+                exact_path(graph, shifted, path) for path, _ in recursive_paths(graph, 0, column)
+            ]
             assert close(best.gain[0, column], max(gains, default=mpmath.mpf(0)))
             assert close(total.gain[0, column], mpmath.fsum(gains))
 
@@ -225,7 +258,7 @@ def test_10000_contacts_on_one_object():
         kept = graph_of_scene(
             HapticScene(tuple(objects[:2]), tuple(contacts[-2:]), scene.sources, scene.listeners)
         )
-        gains = [exact_path(kept, path) for path, _ in recursive_paths(kept, 0, 0)]
+        gains = [exact_path(kept, scene, path) for path, _ in recursive_paths(kept, 0, 0)]
         assert close(propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0], max(gains))
         assert close(
             propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE)).gain[0, 0],
