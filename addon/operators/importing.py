@@ -113,7 +113,7 @@ class HAPTIC_OT_import_sound(_FromFile, OnActive, Operator):
         _let_shake(context.object)
         source.signal, source.sound.origin = "SOUND", "FILE"
         source.sound.filepath, source.sound.loop = self.filepath, self.loop
-        return convert_sound(self, context)
+        return convert_sound(self, context, context.object)
 
 
 def _let_shake(obj: Object) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from bpy.types import Context, Event, Operator
+from bpy.types import Context, Event, Object, Operator
 
 from ..blender import job
 from ..blender.polling import OnActive, permitted
@@ -97,15 +97,15 @@ class HAPTIC_OT_convert_sound(OnActive, Operator):
     bl_label = "Convert Sound"
 
     def apply(self, context: Context) -> set[str]:
-        return convert_sound(self, context)
+        return convert_sound(self, context, context.object)
 
 
-def convert_sound(operator: Operator, context: Context) -> set[str]:
-    """Make vibration of the sound of the active object for an operator, with progress."""
+def convert_sound(operator: Operator, context: Context, obj: Object) -> set[str]:
+    """Make vibration of the sound of an object for an operator, with progress."""
     try:
-        work = sound_source.Conversion(context.scene, context.object)
+        work = sound_source.Conversion(context.scene, obj)
     except (OSError, ValueError) as error:
-        context.object.haptics.source.sound.fault = str(error)
+        obj.haptics.source.sound.fault = str(error)
         raise
     written = [({"INFO"}, told("Sound converted"))]
     steps, count = work.steps(), work.step_count
