@@ -41,6 +41,8 @@ BEST, SUM, ENERGY = Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALA
 HERE: Place = (0.0, 0.0, 0.0)
 SMALLEST = {BEST: 1e-300, SUM: 1e-300, ENERGY: 1e-6}
 """Gains below this may be 0; the energy balance stops at -120 dB."""
+UPTAKE = mpmath.mpf(1) / 200
+"""What every object takes up of the power that it is given, beside its losses."""
 ROUNDING = 1e-12
 """Relative error that rounding may make of a best path or a sum whose bound says that it is
 exact."""
@@ -79,14 +81,33 @@ def scene_of(
     )
 
 
-def balanced(damping: Sequence[Any]) -> Any:
+def balanced(own: Any, across: Any, other: Any) -> Any:
+    """Gain of the energy balance between two objects that nothing makes large, by their energies
+    under unit power: of the first one under its own, from one to the other, of the other under its
+    own."""
+    takes = (1 - UPTAKE) / 3
+    both = (1 + takes * own) * (1 + takes * other) - (takes * across) ** 2 + takes * across
+    return mpmath.sqrt(across / both)
+
+
+def along_chain(gains: Sequence[Any]) -> Any:
     """Gain from the first to the last object of a chain by the energy balance: Gaussian elimination
-    along the chain."""
-    last = len(damping) - 1
-    pivot, power = damping[0] + min(last, 1), mpmath.mpf(1)
-    for number in range(1, len(damping)):
-        pivot, power = damping[number] + (2 if number < last else 1) - 1 / pivot, power / pivot
-    return mpmath.sqrt(power / pivot)
+    from either end."""
+    damping = [gain**-2 - 1 + UPTAKE for gain in gains]
+
+    def eliminated(damping: Sequence[Any]) -> tuple[Any, Any]:
+        """Energies of the last object under power at the last, and at the first one."""
+        last = len(damping) - 1
+        pivot, power = damping[0] + min(last, 1), mpmath.mpf(1)
+        for number in range(1, len(damping)):
+            pivot, power = (
+                damping[number] + (2 if number < last else 1) - 1 / pivot,
+                power / pivot,
+            )
+        return 1 / pivot, power / pivot
+
+    (own, across), (other, _) = eliminated(damping), eliminated(damping[::-1])
+    return balanced(other, across, own)
 
 
 def chain(gains: Sequence[float]) -> Instance:
@@ -94,7 +115,7 @@ def chain(gains: Sequence[float]) -> Instance:
     edges = list(itertools.pairwise(range(len(gains))))
     product = mpmath.fprod(mpmath.mpf(gain) for gain in gains)
     scene = scene_of(edges, [Constant(gain_value=gain) for gain in gains], len(gains) - 1)
-    energy = balanced([mpmath.mpf(gain) ** -2 for gain in gains])
+    energy = along_chain([mpmath.mpf(gain) for gain in gains])
     return Instance(scene, {BEST: product, SUM: product, ENERGY: energy})
 
 
@@ -107,15 +128,11 @@ def hub(spokes: int, gain: float, own: float) -> Instance:
         spokes,
     )
     g, k = mpmath.mpf(gain), mpmath.mpf(own)
-    damping = 1 + k**-2
-    return Instance(
-        scene,
-        {
-            BEST: g * k,
-            SUM: g * k,
-            ENERGY: mpmath.sqrt(1 / (g**-2 + spokes - spokes / damping) / damping),
-        },
-    )
+    ground, body = g**-2 - 1 + UPTAKE, k**-2 - 1 + UPTAKE
+    others = ground + (spokes - 1) * body / (1 + body)
+    middle = 1 / (others + body / (1 + body))
+    energy = balanced(middle, middle / (1 + body), 1 / (body + others / (1 + others)))
+    return Instance(scene, {BEST: g * k, SUM: g * k, ENERGY: energy})
 
 
 def ring(count: int, gain: float) -> Instance:

@@ -24,7 +24,7 @@ from ..frozen import frozen
 ITERATIONS = 2000
 """Most iterations."""
 
-FIRST_CHECK, CHECKED = 11, 2
+FIRST_CHECK, CHECKED = 4, 3
 """Iterations before the first evaluation of the error, and between two evaluations."""
 
 SMALLEST = 1e-300
@@ -67,28 +67,40 @@ class PowerBalance:
 
 @frozen
 class Balanced:
-    """``energy`` (k, s, n) under each of s powers, and ``bound`` (k, s) on the error of each of
-    these energies."""
+    """Energies under each of s powers.
+
+    Attributes:
+        energy: (k, s, n), 0 or more.
+        residual: (k, s, n) power less what the energies lose.
+        bound: (k, s) on the root of ``r·A⁻¹ r`` for the residuals r, rounding included.
+        largest: (k, s) bound on the error of any energy.
+    """
 
     energy: FloatArray
+    residual: FloatArray
     bound: FloatArray
+    largest: FloatArray
 
 
 def solve(
-    balance: PowerBalance, power: FloatArray, good_enough: Callable[[FloatArray], FloatArray]
+    balance: PowerBalance,
+    power: FloatArray,
+    good_enough: Callable[[FloatArray], FloatArray],
 ) -> Balanced:
     """The energies of k systems under s powers each.
 
     Args:
         balance: the systems.
         power: (k, s, n), 0 or more.
-        good_enough: gives the tolerated error (k, s) of approximate energies (k, s, n).
+        good_enough: gives the tolerated ``bound`` (k, s) of approximate energies (k, s, n).
     """
     systems, columns, count = power.shape
     matrix = _Matrix(balance, columns)
     found = np.zeros((systems * columns, count))
     state = _Iteration(
-        matrix, power.reshape(found.shape), np.repeat(balance.damping, columns, axis=0)
+        matrix,
+        power.reshape(found.shape),
+        np.repeat(balance.damping, columns, axis=0),
     )
     for iteration in range(ITERATIONS):
         if iteration >= FIRST_CHECK and (iteration - FIRST_CHECK) % CHECKED == 0:
@@ -101,10 +113,16 @@ def solve(
     found[state.column] = state.energy
     energy = np.maximum(found, 0.0)
     matrix.restrict(np.arange(len(found)))
+    residual = power.reshape(energy.shape) - matrix.times(energy)
     rounding = EPSILON * (2 * matrix.diagonal * energy + power.reshape(energy.shape))
-    left = np.abs(power.reshape(energy.shape) - matrix.times(energy)) + rounding
-    bound = (left / np.repeat(balance.damping, columns, axis=0)).max(axis=1, initial=0.0)
-    return Balanced(energy.reshape(power.shape), bound.reshape(systems, columns))
+    left = np.abs(residual) + rounding
+    relative = left / np.repeat(balance.damping, columns, axis=0)
+    return Balanced(
+        energy.reshape(power.shape),
+        residual.reshape(power.shape),
+        np.sqrt((left * relative).sum(axis=1)).reshape(systems, columns),
+        relative.max(axis=1, initial=0.0).reshape(systems, columns),
+    )
 
 
 class _Iteration:
@@ -124,7 +142,7 @@ class _Iteration:
 
     def error_bounds(self) -> FloatArray:
         """Bounds (c,) on the errors, rounding left out."""
-        return np.asarray((np.abs(self._residual) / self._damping).max(axis=1, initial=0.0))
+        return np.asarray(np.sqrt((self._residual**2 / self._damping).sum(axis=1)))
 
     def restrict(self, chosen: BoolArray) -> None:
         """Iterate only the ``chosen`` (c,) columns from now on."""

@@ -24,20 +24,30 @@ from ..arrays import BoolArray, FloatArray, IntArray, added_by, ranges, runs
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
-from .conjugate_gradients import Balanced, PowerBalance, solve
+from .conjugate_gradients import EPSILON, PowerBalance, solve
 from .connections import band_factors, lanes_of
-from .subsystems import subsystems
+from .subsystems import LEAST, subsystems
 
 HOPS = 24
 """Distance from a source, in contacts, up to which subsystems are assembled at first; doubled while
 farther ones may matter."""
 
 PRECISE = 4e-3
-"""Relative error allowed in the energy at a listener: 0.017 dB."""
+"""Relative error allowed in a squared gain: 0.017 dB."""
 
 INAUDIBLE = 1e-12
-"""Error of an energy that is always accepted, relative to the injected power: an amplitude of 1e-6,
-or -120 dB."""
+"""Error of a squared gain that is always accepted: an amplitude of 1e-6, or -120 dB."""
+
+OWN, OWN_IN_BANDS = 0.06, 0.2
+"""Bounds at which an object's energy under power of its own is exact enough: their squares bound
+its error. No error is given for bands."""
+
+SAFETY = 2.0
+"""How much more exact the energies are of which a squared gain is made."""
+
+TERMINAL = 1 / 3
+"""Power that a source or listener takes up per energy of its object, where the object itself takes
+up none."""
 
 UNDERFLOW = 1e-280
 """Squares of gains other than 0 are raised to this, so that they do not underflow."""
@@ -74,8 +84,8 @@ class Energies:
 
 
 def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
-    """Amplitude gains of the wanted pairs (s, l): the square root of the energy at each listener,
-    relative to the energy of the source in a lossless, isolated subsystem."""
+    """Amplitude gains of the wanted pairs (s, l): roots of the energies that arrive at the
+    listeners, relative to what a source gives to a lossless, isolated subsystem."""
     gain = np.zeros(wanted.shape)
     error = np.zeros(wanted.shape)
     bands = np.zeros((*wanted.shape, BAND_COUNT)) if graph.uses_bands else None
@@ -85,22 +95,17 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
         return Energies(gain, error, bands, 0)
     nodes = [graph.sources[row].nodes for row in rows.tolist()]
     size = np.array([len(part) for part in nodes])
-    sources = _Terminals(
-        np.array([node for part in nodes for node in part], dtype=np.int64),
-        np.arange(len(rows)).repeat(size),
-        (1.0 / size).repeat(size),
-    )
-    listeners = _Terminals(
-        graph.listener_nodes[columns], np.arange(len(columns)), np.ones(len(columns))
-    )
-    forward = len(rows) <= len(columns)  # energies are reciprocal: solved for whichever are fewer
-    level, bound, count = _energies(
-        graph, *((sources, listeners) if forward else (listeners, sources))
-    )
-    if not forward:
+    ends = np.array([node for part in nodes for node in part]), graph.listener_nodes[columns]
+    if len(ends[0]) <= len(ends[1]):  # levels are reciprocal: solved for whichever are fewer
+        level, bound, count = _levels(graph, *ends)
+    else:
+        level, bound, count = _levels(graph, *ends[::-1])
         level = level.swapaxes(1, 2)
         bound = bound.T
-    level = np.minimum(np.maximum(level, 0.0), 1.0) * wanted[rows][:, columns]
+    begin = size.cumsum() - size
+    part = size[:, None]
+    level = np.add.reduceat(level, begin, axis=1) / part * wanted[rows][:, columns]
+    bound = np.add.reduceat(bound, begin, axis=0) / part
     amplitude = np.sqrt(level)
     most = np.sqrt(np.minimum(level[0] + bound, 1.0))
     least = np.sqrt(np.maximum(level[0] - bound, 0.0))
@@ -115,31 +120,11 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
     return Energies(gain, error, bands, count)
 
 
-@frozen
-class _Terminals:
-    """Where sources or listeners are attached to the graph.
-
-    Attributes:
-        node: (e,) numbers of the nodes; a source that feeds two objects has two.
-        number: (e,) which source or listener each node belongs to, ascending.
-        part: (e,) share of the source's power, or 1 for a listener.
-    """
-
-    node: IntArray
-    number: IntArray
-    part: FloatArray
-
-    @property
-    def count(self) -> int:
-        """Number of sources or listeners."""
-        return int(self.number[-1]) + 1
-
-
-def _energies(
-    graph: HapticGraph, driven: _Terminals, observed: _Terminals
+def _levels(
+    graph: HapticGraph, driven: IntArray, observed: IntArray
 ) -> tuple[FloatArray, FloatArray, int]:
-    """Energies (lanes, d, o) at each of o ``observed`` terminals due to unit power at each of d
-    ``driven`` ones, bounds (d, o) on the errors of lane 0, and the number of subsystems."""
+    """Squared gains (lanes, d, o) from nodes ``driven`` (d,) to nodes ``observed`` (o,), bounds (d,
+    o) on the errors of lane 0, and the number of subsystems."""
     hops = HOPS
     while True:
         found = _Assembly(graph, driven, observed, hops).solved()
@@ -150,48 +135,51 @@ def _energies(
 
 @frozen
 class _Attachments:
-    """How the nodes of terminals belong to the subsystems of their objects.
+    """How the nodes (e,) of sources or listeners belong to the subsystems of their objects.
 
     Attributes:
         first, size: (e,) the attachments of a node are the ``size`` from ``first`` on, in the same
             order for all nodes of an object.
-        region: (a,) the subsystem.
-        share: (a,) part of the node that belongs to it.
+        node, region: (a,) of each attachment, the number of the node and that of the subsystem.
+        share: (a,) part of the node that belongs to the subsystem.
         energy: (lanes, a) that part times the squared gain from the node to the middle of the
             subsystem.
+        through: (lanes, e) the sum of a node's ``energy``.
+        distribution: (lanes, a) parts, by subsystem, of the power that a node puts in.
+        uptake: (e,) power that a node takes up per energy of its object.
     """
 
     first: IntArray
     size: IntArray
+    node: IntArray
     region: IntArray
     share: FloatArray
     energy: FloatArray
+    through: FloatArray
+    distribution: FloatArray
+    uptake: FloatArray
 
 
 class _Assembly:
-    """The equations of all subsystems within ``hops`` contacts from the ``driven`` terminals.
+    """The equations of all subsystems within ``hops`` contacts from the ``driven`` nodes.
 
     Args:
         graph: the scene.
-        driven: terminals at which power is injected.
-        observed: terminals at which energy is read.
+        driven: nodes (d,) of sources or listeners at which power is injected.
+        observed: nodes (o,) at which energy is read.
         hops: number of contacts.
     """
 
     # Contacts, by their nodes, between two assembled objects are *inner*, those to any other object
     # are at the *border*. A subsystem *passes* energy in a lane if its object's gain over its
-    # typical distance is not 0; *decay* is its damping.
+    # typical distance is not 0; *decay* is the reciprocal of that gain's square.
 
-    def __init__(
-        self, graph: HapticGraph, driven: _Terminals, observed: _Terminals, hops: int
-    ) -> None:
+    def __init__(self, graph: HapticGraph, driven: IntArray, observed: IntArray, hops: int) -> None:
         self._graph, self._driven, self._observed = graph, driven, observed
         self._lanes = lanes_of(graph)
         nodes = graph.nodes_of_contacts()[graph.transmission > 0]
         objects = graph.node_object[nodes]
-        self._reached = _within(
-            objects, graph.node_object[driven.node], len(graph.table.names), hops
-        )
+        self._reached = _within(objects, graph.node_object[driven], len(graph.table.names), hops)
         inside = self._reached[objects]
         self._border = nodes[inside[:, 0] ^ inside[:, 1]]
         self._inner = nodes[inside.all(axis=1)]
@@ -200,8 +188,9 @@ class _Assembly:
         self._passes = through > 0
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
         self._balance = self._equations()
-        self._total = self._balance.diagonal
-        self._attachments = self._attached(driven.node), self._attached(observed.node)
+        self._entry, self._exit = self._attached(driven), self._attached(observed)
+        self._inputs, self._column = self._powers()
+        self._direct = self._direct_levels()
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
         """Squares (lanes, n) of the gains of objects over distances; gains above 1 count as 1."""
@@ -246,7 +235,8 @@ class _Assembly:
             blocked = ~self._passes[:, column]
             leak += added_by(row, np.where(blocked, coupling, 0.0), count)
             coupling[blocked | ~self._passes[:, row]] = 0.0
-        return PowerBalance(parts.mass * self._decay, leak, row, column, coupling, dense)
+        damping = parts.mass * (self._decay - 1.0 + parts.uptake)
+        return PowerBalance(damping, leak, row, column, coupling, dense)
 
     def _contact_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
         """Couplings by contacts: subsystems on either side, and values (lanes, c)."""
@@ -358,106 +348,148 @@ class _Assembly:
         )
         total = np.bincount(which, weights=share, minlength=len(node))
         share = np.divide(share, total[which], out=np.zeros(len(which)), where=total[which] > 0)
+        passes = self._passes[:, region]
+        energy *= np.where(passes, share, 0.0)
+        through = added_by(which, energy, len(node))
+        distribution = np.divide(
+            energy,
+            through[:, which],
+            out=np.where(passes & (size == 1)[which], 1.0, 0.0),
+            where=(through > 0)[:, which],
+        )
+        uptake = np.zeros(len(node))
+        uptake[which] = TERMINAL * (1.0 - parts.uptake[region])
         return _Attachments(
-            first, size, region, share, energy * np.where(self._passes[:, region], share, 0.0)
+            first, size, which, region, share, energy, through, distribution, uptake
         )
 
-    def solved(self) -> tuple[FloatArray, FloatArray, int] | None:
-        """Energies (lanes, d, o), bounds (d, o) on the errors of lane 0, and the number of
-        subsystems, as `_energies`; None if subsystems outside the assembly may matter.
-        """
-        driven, observed = self._driven, self._observed
-        lanes = self._lanes
-        count = len(self._parts.mass)
-        power = np.zeros((lanes, driven.count, count))
-        entry, exit_ = self._attachments
-        column = driven.number.repeat(entry.size)
-        for lane in range(lanes):
-            np.add.at(
-                power[lane],
-                (column, entry.region),
-                entry.energy[lane] * driven.part.repeat(entry.size),
-            )
-        straight = self._direct_energies()
-        receiver = observed.number.repeat(exit_.size)
-        reached = np.bincount(
-            receiver,
-            weights=exit_.share * observed.part.repeat(exit_.size),
-            minlength=observed.count,
-        )
-        unknown = np.zeros(observed.count, dtype=np.bool_)
-        if len(self._border):
-            unknown[observed.number[~self._reached[self._graph.node_object[observed.node]]]] = True
-        reachable = np.flatnonzero((reached > 0) | unknown)
-        weight = exit_.energy * observed.part.repeat(exit_.size)
-
-        def received(energy: FloatArray) -> FloatArray:
-            return straight + added_by(
-                receiver, energy[:, :, exit_.region] * weight[:, None], observed.count
-            )
-
-        def good_enough(energy: FloatArray) -> FloatArray:
-            return np.asarray(
-                np.maximum(
-                    INAUDIBLE, PRECISE * received(energy)[:, :, reachable].min(axis=2, initial=1.0)
-                )
-            )
-
-        found = solve(self._balance, power, good_enough)
-        outside = self._outside(found)
-        if len(self._border) and np.any(outside > good_enough(found.energy)):
-            return None
-        bound = np.maximum(found.bound, outside)[0]
-        return received(found.energy), bound[:, None] * np.where(unknown, 1.0, reached), count
-
-    def _outside(self, found: Balanced) -> FloatArray:
-        """Bounds (lanes, d) on the errors due to subsystems outside the assembly: the energy that
-        flows to them, as their dampings are at least 1."""
-        region, beyond, _, weight = self._border_part
-        if len(region) == 0:
-            return np.zeros(found.energy.shape[:2])
-        objects, which = np.unique(beyond, return_inverse=True)
-        flow = added_by(which, found.energy[:, :, region] * weight, len(objects))
-        return np.asarray(flow.max(axis=2, initial=0.0))
-
-    def _direct_energies(self) -> FloatArray:
-        """Correction (lanes, d, o) to the energies between terminals in the same object: that on
-        the straight way, less what the equations assign to it.
+    def _direct_levels(self) -> FloatArray:
+        """Correction (lanes, d, o) to the levels between nodes in the same object: that on the
+        straight way, less what the equations assign to it.
 
         The equations spread energy uniformly over a subsystem. The fraction of the injected power
         that has not left it reaches a listener by the object's function over their distance
         instead.
         """
-        graph, driven, observed = self._graph, self._driven, self._observed
+        graph, parts, entry, exit_ = self._graph, self._parts, self._entry, self._exit
+        result = np.zeros((self._lanes, len(self._driven), len(self._observed)))
         a, b = np.nonzero(
-            graph.node_object[driven.node][:, None] == graph.node_object[observed.node]
+            graph.node_object[self._driven][:, None] == graph.node_object[self._observed]
         )
         if len(a) == 0:
-            return np.zeros((self._lanes, driven.count, observed.count))
-        entry, exit_ = self._attachments
+            return result
         size = entry.size[a]
         which = np.arange(len(a)).repeat(size)
         one = ranges(entry.first[a], size)
         other = ranges(exit_.first[b], size)
-        region = entry.region[one]
-        left = added_by(
-            which,
-            entry.share[one] * exit_.share[other] * (self._decay / self._total)[:, region],
-            len(a),
+        total = self._balance.diagonal + parts.mass * (1.0 - parts.uptake)
+        left, spread = (
+            added_by(
+                which, entry_part * exit_part[..., other] * factor[:, entry.region[one]], len(a)
+            )
+            for entry_part, exit_part, factor in (
+                (entry.share[one], exit_.share, self._decay / total),
+                (entry.energy[:, one], exit_.energy, 1.0 / total),
+            )
         )
         left = np.where(size > 0, np.minimum(left, 1.0), 1.0)
-        spread = added_by(
-            which, entry.energy[:, one] * exit_.energy[:, other] / self._total[:, region], len(a)
-        )
         directly = self._squares(
-            graph.node_object[driven.node[a]],
-            graph.node_distances(driven.node[a], observed.node[b]),
+            graph.node_object[self._driven[a]],
+            graph.node_distances(self._driven[a], self._observed[b]),
         )
-        terms = (left * directly - spread) * driven.part[a] * observed.part[b]
-        pair = driven.number[a] * observed.count + observed.number[b]
-        return added_by(pair, terms, driven.count * observed.count).reshape(
-            self._lanes, driven.count, observed.count
+        result[:, a, b] = left * directly - spread
+        return result
+
+    def _powers(self) -> tuple[tuple[IntArray, IntArray, FloatArray], IntArray]:
+        """The columns of the equations: one for each driven node, and one for each observed node
+        that takes up power, nodes in one undivided object together.
+
+        Returns:
+            The powers, each by its column (b,), its subsystem (b,) and its size (lanes, b); and the
+            column (o,) of each observed node, 0 if it takes up none.
+        """
+        entry, exit_, driven = self._entry, self._exit, len(self._driven)
+        column = np.zeros(len(self._observed), dtype=np.int64)
+        taking = np.flatnonzero(exit_.uptake > 0)
+        whole = exit_.size[taking] == 1
+        same = np.where(whole, exit_.region[exit_.first[taking]], -1 - taking)
+        _, chosen, number = np.unique(same, return_index=True, return_inverse=True)
+        column[taking] = driven + number
+        alone = taking[chosen]
+        size = exit_.size[alone]
+        place = ranges(exit_.first[alone], size)
+        row = np.concatenate([entry.node, column[alone].repeat(size)])
+        region = np.concatenate([entry.region, exit_.region[place]])
+        part = np.concatenate([entry.distribution, exit_.distribution[:, place]], axis=1)
+        return (row, region, part), column
+
+    def solved(self) -> tuple[FloatArray, FloatArray, int] | None:
+        """What `_levels` gives; None if subsystems outside the assembly may matter."""
+        exit_, column, driven = self._exit, self._column, len(self._driven)
+        row, region, part = self._inputs
+        power = np.zeros((self._lanes, int(row.max(initial=driven - 1)) + 1, len(self._parts.mass)))
+        power[:, row, region] = part
+        unknown = ~self._reached[self._graph.node_object[self._observed]] & (len(self._border) > 0)
+        heard = np.where(unknown, 1.0, exit_.through)
+        through = np.maximum(self._entry.through[:, :, None] * heard[:, None], UNDERFLOW)
+        # Of nodes without a column: the most that their energy is under unit power of their own.
+        weight = exit_.distribution**2 / self._balance.damping[:, exit_.region]
+        most = np.where(unknown, 1.0 / LEAST, added_by(exit_.node, weight, len(unknown)))
+        reception = np.where(column > 0, OWN, np.sqrt(most) + TINIEST)[:, None]
+
+        def across(energy: FloatArray) -> FloatArray:
+            heard = energy[:, :driven, exit_.region] * exit_.distribution[:, None]
+            return added_by(exit_.node, heard, len(unknown))
+
+        def good_enough(energy: FloatArray) -> FloatArray:
+            own = added_by(row, part * energy[:, row, region], power.shape[1])
+            allowed = np.maximum(PRECISE * self._level(across(energy), own), INAUDIBLE)
+            goal = np.full(own.shape, OWN)
+            goal[1:] = OWN_IN_BANDS
+            goal[:, :driven] = (allowed / np.maximum(SAFETY * through * reception, UNDERFLOW)).min(
+                axis=2, initial=OWN
+            )
+            return goal
+
+        found = solve(self._balance, power, good_enough)
+        flow = self._flow_outside(found.energy)
+        beyond = (flow**2).sum(axis=2) / LEAST
+        if len(self._border) and np.any(2 * np.sqrt(beyond) > good_enough(found.energy)):
+            return None
+        bound = np.sqrt(found.bound**2 + beyond)
+        error = bound[:, :driven, None] * np.where(column > 0, bound[:, None, column], reception)
+        # What the residuals add, to first order: those of a node's energies under power at another.
+        rest = np.einsum("kdn,kon->kdo", found.residual[:, :driven], found.energy[:, column])
+        between = across(found.energy) + np.where(column > 0, rest, 0.0)
+        own = ((power + found.residual) * found.energy).sum(axis=2)
+        level = self._level(between, own)
+        highest, lowest = (
+            self._level(between + sign * error, own - sign * bound**2)[0] for sign in (1.0, -1.0)
         )
+        doubt = np.maximum(highest - level[0], level[0] - lowest)
+        doubt += np.where(through[0] > UNDERFLOW, EPSILON * level[0], 0.0)
+        outside = np.maximum(found.largest, flow.max(axis=2, initial=0.0) / LEAST)[0, :driven, None]
+        return level, np.where(unknown, outside * through[0], doubt), len(self._parts.mass)
+
+    def _flow_outside(self, energy: FloatArray) -> FloatArray:
+        """The energy (lanes, columns, objects) that flows to each object outside the assembly."""
+        region, beyond, _, weight = self._border_part
+        objects, which = np.unique(beyond, return_inverse=True)
+        return added_by(which, energy[:, :, region] * weight, len(objects))
+
+    def _level(self, across: FloatArray, own: FloatArray) -> FloatArray:
+        """Squared gains (lanes, d, o) by energies: ``across`` (lanes, d, o) from node to node, and
+        ``own`` (lanes, columns) where the power of each column is put in."""
+        entry, exit_ = self._entry, self._exit
+        across = np.maximum(across, 0.0)
+        own = np.maximum(own, 0.0)
+        first = 1.0 + entry.uptake * own[:, : len(self._driven)]
+        second = 1.0 + exit_.uptake * own[:, self._column]
+        both = entry.uptake[:, None] * exit_.uptake
+        either = np.minimum(entry.uptake[:, None], exit_.uptake)
+        lost = first[:, :, None] * second[:, None] - both * across**2 + either * across
+        through = entry.through[:, :, None] * exit_.through[:, None]
+        return np.clip(through * across / np.maximum(lost, 1.0) + self._direct, 0.0, 1.0)
 
 
 def _within(contacts: IntArray, starts: IntArray, count: int, hops: int) -> BoolArray:

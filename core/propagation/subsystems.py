@@ -31,6 +31,9 @@ FARTHEST = 2.0**40
 """Largest distance of a lattice point from the middle, in spacings: contacts further away belong to
 the outermost point."""
 
+LEAST = 0.005
+"""Least power that a subsystem takes up per energy: no object is entirely without losses."""
+
 HIGHEST = 1e140
 """Largest distance, whose square is still finite."""
 
@@ -66,6 +69,8 @@ class Subsystems:
         distance: (r,) root mean square distance between two of its contacts [m].
         mass: (r,) in (0, 1]: of a region, the largest part of a contact in it, relative to the
             object's strongest contact; of an undivided object 1.
+        uptake: (r,) power that it takes up per energy and mass if it loses nothing: `LEAST` in an
+            object smaller than half the length over which that damps, 1 in a large one.
         node: (a,) contact nodes, sorted; a node is repeated for every region that it belongs to.
         region: (a,) the subsystem.
         weight: (a,) of that node, in (0, 1].
@@ -75,6 +80,7 @@ class Subsystems:
     centre: FloatArray
     distance: FloatArray
     mass: FloatArray
+    uptake: FloatArray
     node: IntArray
     region: IntArray
     weight: FloatArray
@@ -88,7 +94,7 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     slot = np.arange(len(begin)).repeat(size)
     strength = graph.weight[graph.contact[nodes]]
     position = graph.node_position[nodes]
-    which, region, weight, of_object, divided = _attached(
+    which, region, weight, of_object, divided, uptake = _attached(
         graph, position, strength, used, slot, begin
     )
     centre, distance, largest = _extents(
@@ -98,7 +104,7 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     mass = np.where(
         divided, np.clip(largest / strongest[used.searchsorted(of_object)], LIGHTEST, 1.0), 1.0
     )
-    return Subsystems(of_object, centre, distance, mass, nodes[which], region, weight)
+    return Subsystems(of_object, centre, distance, mass, uptake, nodes[which], region, weight)
 
 
 def _attached(
@@ -108,7 +114,7 @@ def _attached(
     used: IntArray,
     slot: IntArray,
     begin: IntArray,
-) -> tuple[IntArray, IntArray, FloatArray, IntArray, FloatArray]:
+) -> tuple[IntArray, IntArray, FloatArray, IntArray, FloatArray, FloatArray]:
     """How contacts belong to subsystems.
 
     Args:
@@ -121,20 +127,25 @@ def _attached(
 
     Returns:
         Number of the contact (a,), sorted; its subsystem (a,) and weight (a,); object of each
-        subsystem (r,), and whether that is divided.
+        subsystem (r,), whether that is divided, and its uptake (r,).
     """
     count = len(used)
     middle = graph.frames.centre[used]
-    unknown = np.flatnonzero(np.isnan(middle[:, 0]))
+    radius = distances(graph.frames.size[used], np.zeros(3)) / 2
+    unknown = np.flatnonzero(np.isnan(radius))
     if len(unknown):
-        middle[unknown] = np.mean(_trimmed_ends(position, strength, slot, count), axis=0)[unknown]
+        first, last = _trimmed_ends(position, strength, slot, count)[:, unknown]
+        middle[unknown] = (first + last) / 2
+        radius[unknown] = distances(first, last) / 2
     relative = np.minimum(np.maximum(position - middle[slot], -HIGHEST), HIGHEST)
     farthest = np.maximum.reduceat(distances(relative, np.zeros(3)), begin)
-    spacing = damping_lengths(graph.table, used, np.minimum(2 * farthest, HIGHEST))
+    extent = np.minimum(2 * np.maximum(radius, farthest), HIGHEST)
+    spacing = damping_lengths(graph.table, used, extent)
     divided = farthest > spacing / 2
+    uptake = np.clip(2 * np.minimum(radius, spacing) / spacing - 1, LEAST, 1.0)
     everyone = np.arange(len(slot))
     if not divided.any():
-        return everyone, slot, np.ones(len(slot)), used, np.zeros(count)
+        return everyone, slot, np.ones(len(slot)), used, np.zeros(count), uptake
     inside = divided[slot]
     chosen = np.flatnonzero(inside)
     axes = graph.frames.axes[used[slot[chosen]]]
@@ -160,6 +171,7 @@ def _attached(
         weights[by_contact],
         used[of_slot[order]],
         divided[of_slot[order]].astype(np.float64),
+        uptake[of_slot[order]],
     )
 
 

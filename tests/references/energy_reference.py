@@ -11,6 +11,8 @@ import numpy as np
 from haptic_tracing.core.graph.haptic_graph import HapticGraph
 
 Place = tuple[float, float, float]
+LEAST = 0.005
+"""Power that an object of its own takes up at least."""
 
 
 def _mean_between(contacts: list[dict], axis: int, low: float, high: float) -> float:
@@ -51,6 +53,7 @@ class Balance:
                 }
             )
         self.weights: dict[int, dict[tuple, float]] = {}
+        self.uptake: dict[int, float] = {}
         for index, contacts in self.contacts.items():
             self._attach(index, contacts)
         self.regions = sorted({region for weights in self.weights.values() for region in weights})
@@ -100,19 +103,17 @@ class Balance:
 
     def _attach(self, index: int, contacts: list[dict]) -> None:
         middle, axes = self.graph.frames.centre[index], self.graph.frames.axes[index]
+        radius = math.hypot(*self.graph.frames.size[index].tolist()) / 2
         if np.isnan(middle[0]):
-            middle = np.array(
-                [
-                    (
-                        _mean_between(contacts, k, 0.05, 0.15)
-                        + _mean_between(contacts, k, 0.85, 0.95)
-                    )
-                    / 2
-                    for k in range(3)
-                ]
-            )
+            ends = [
+                np.array([_mean_between(contacts, k, *part) for k in range(3)])
+                for part in ((0.05, 0.15), (0.85, 0.95))
+            ]
+            middle = (ends[0] + ends[1]) / 2
+            radius = math.dist(*ends) / 2
         farthest = max(math.dist(c["place"], middle) for c in contacts)
-        length = self.length(index, 2 * farthest)
+        length = self.length(index, 2 * max(radius, farthest))
+        self.uptake[index] = min(max(2 * radius / length - 1, LEAST), 1.0)
         for contact in contacts:
             if farthest <= length / 2:
                 self.weights[contact["node"]] = {(index, None): 1.0}
@@ -163,8 +164,12 @@ class Balance:
     def equations(self) -> tuple[list[float], dict[tuple[int, int], float], dict[int, float]]:
         """Dampings, couplings (both directions) and leaks to objects that transmit nothing."""
         through = [self.squared(region[0], self.distance[region]) for region in self.regions]
-        damping = [
+        loss = [
             self.mass[r] / (f if f > 0 else 1.0) for r, f in zip(self.regions, through, strict=True)
+        ]
+        damping = [
+            self.mass[r] * ((1 - f) / f if f > 0 else 0.0) + self.mass[r] * self.uptake[r[0]]
+            for r, f in zip(self.regions, through, strict=True)
         ]
         couplings: dict[tuple[int, int], float] = {}
         for contact in (c for contacts in self.contacts.values() for c in contacts):
@@ -180,7 +185,7 @@ class Balance:
         for a, b in itertools.permutations(self.regions, 2):
             if a[0] == b[0] and through[self.number[a]] > 0 and through[self.number[b]] > 0:
                 across = self.squared(a[0], math.dist(self.centre[a], self.centre[b]))
-                value = across * damping[self.number[a]] * damping[self.number[b]]
+                value = across * loss[self.number[a]] * loss[self.number[b]]
                 couplings[self.number[a], self.number[b]] = (
                     couplings.get((self.number[a], self.number[b]), 0.0) + value
                 )
@@ -223,46 +228,72 @@ def energy_gain(graph: HapticGraph, row: int, column: int, band: int | None = No
     """The amplitude gain of one pair."""
     balance = Balance(graph, band)
     damping, couplings, leak = balance.equations()
-    count = len(damping)
-    total = [damping[k] + leak.get(k, 0.0) for k in range(count)]
+    total = [damping[k] + leak.get(k, 0.0) for k in range(len(damping))]
     for (a, _), value in couplings.items():
         total[a] += value
     sources, listener = graph.sources[row].nodes, int(graph.listener_nodes[column])
-    power = [0.0] * count
+    level = sum(
+        min(max(_level(balance, total, couplings, node, listener), 0), 1) for node in sources
+    )
+    return float(mpmath.sqrt(level / len(sources)))
+
+
+def _level(
+    balance: Balance,
+    total: list[float],
+    couplings: dict[tuple[int, int], float],
+    node: int,
+    listener: int,
+) -> mpmath.mpf:
+    """The squared gain from one node of a source to a listener."""
+    graph, ends = balance.graph, [balance.attached(node), balance.attached(listener)]
+    through = [sum(energy for _, energy in end.values()) for end in ends]
     level = mpmath.mpf(0)
-    heard = balance.attached(listener)
-    for node in sources:
-        put_in = balance.attached(node)
-        for k, (_, energy) in put_in.items():
-            power[k] += energy / len(sources)
-        if graph.node_object[node] == graph.node_object[listener]:
-            index = int(graph.node_object[node])
-            away = math.dist(graph.node_position[node], graph.node_position[listener])
-            straight = balance.squared(
-                index,
-                max(0.0, away - (0.0 if graph.reach is None else float(graph.reach[listener]))),
-            )
-            left, spread = 1.0, 0.0
-            if any(region[0] == index for region in balance.regions):
-                inside = {
-                    k: 1 / balance.squared(index, balance.distance[balance.regions[k]])
-                    for k in put_in
-                    if balance.passes[k]
-                }
-                left = min(
-                    1.0,
-                    sum(
-                        put_in[k][0] * heard[k][0] * inside.get(k, 1.0) / total[k]
-                        for k in put_in
-                        if k in heard
-                    ),
-                )
-                spread = sum(put_in[k][1] * heard[k][1] / total[k] for k in put_in if k in heard)
-            level += (left * straight - spread) / len(sources)
-    if count and any(power):
-        energy = solved(total, couplings, power)
-        level += sum(energy[k] * part for k, (_, part) in heard.items())
-    return float(mpmath.sqrt(min(max(level, 0), 1)))
+    if all(through):
+        parts = [
+            {k: mpmath.mpf(energy) / whole for k, (_, energy) in end.items()}
+            for end, whole in zip(ends, through, strict=True)
+        ]
+        energies = [
+            solved(total, couplings, [part.get(k, 0.0) for k in range(len(total))])
+            for part in parts
+        ]
+        own_s, across, own_l = (
+            sum(energies[a][k] * part for k, part in parts[b].items())
+            for a, b in ((0, 0), (0, 1), (1, 1))
+        )
+        takes_s, takes_l = (
+            (1 - balance.uptake[int(graph.node_object[end])]) / mpmath.mpf(3)
+            for end in (node, listener)
+        )
+        lost = (
+            (1 + takes_s * own_s) * (1 + takes_l * own_l)
+            - takes_s * takes_l * across**2
+            + min(takes_s, takes_l) * across
+        )
+        level += through[0] * through[1] * across / lost
+    if graph.node_object[node] == graph.node_object[listener]:
+        index = int(graph.node_object[node])
+        away = math.dist(graph.node_position[node], graph.node_position[listener])
+        reach = 0.0 if graph.reach is None else float(graph.reach[listener])
+        straight = balance.squared(index, max(0.0, away - reach))
+        if all(region[0] != index for region in balance.regions):
+            return mpmath.mpf(straight)
+        put_in, heard = ends
+        both = [k for k in put_in if k in heard]
+        kept = {
+            k: total[k] + balance.mass[balance.regions[k]] * (1 - balance.uptake[index])
+            for k in both
+        }
+        inside = {
+            k: 1 / balance.squared(index, balance.distance[balance.regions[k]])
+            for k in both
+            if balance.passes[k]
+        }
+        left = sum(put_in[k][0] * heard[k][0] * inside.get(k, 1.0) / kept[k] for k in both)
+        spread = sum(put_in[k][1] * heard[k][1] / kept[k] for k in both)
+        level += min(1.0, left) * straight - spread
+    return level
 
 
 def solved(

@@ -88,7 +88,9 @@ def test_a_body_far_away_on_the_same_ground_changes_no_level(strategy, has_shape
         if has_shape:
             centre = graph.frames.centre.copy()
             centre[0] = 9.0, 9.0, -1.0
-            graph = replace(graph, frames=replace(graph.frames, centre=centre))
+            size = graph.frames.size.copy()
+            size[0] = 400.0, 400.0, 2.0
+            graph = replace(graph, frames=replace(graph.frames, centre=centre, size=size))
         return propagate(graph, Settings(strategy=strategy)).gain
 
     alone = gains(None)
@@ -137,8 +139,8 @@ def test_sums_in_the_same_piles_have_none_of_this():
 
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_two_objects_with_several_ways_between_them(count):
-    """Ways without loss, side by side: the default is one of them, the balance shares the energy
-    and is not above it."""
+    """Ways without loss, side by side: the default is one of them, the balance is not above it,
+    and nearer to it the more there are."""
     objects = HapticObject("a", 0, 1, Identity()), HapticObject("b", 0, 1, Identity())
     scene = HapticScene(
         objects,
@@ -149,5 +151,7 @@ def test_two_objects_with_several_ways_between_them(count):
     assert traced(scene, Strategy.AUTO).gain[0, 0] == 1.0
     balance = traced(scene, Strategy.ENERGY_BALANCE)
     assert balance.gain[0, 0] == pytest.approx(
-        math.sqrt(count / (1 + 2 * count)), abs=balance.error_bound[0, 0] + 1e-12
+        # Two objects that each take up 1/200 and a third of the rest, with a coupling of ``count``.
+        math.sqrt(1 / (1 + 0.995**2 / 9 / count + 0.005 * (0.005 + 2 * 0.995 / 3) / count + 0.005)),
+        abs=balance.error_bound[0, 0] + 1e-12,
     )
