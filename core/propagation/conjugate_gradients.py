@@ -1,13 +1,14 @@
 """Conjugate gradients for power balances, with a certified bound on the error.
 
-The equations ``(Λ_i + Σ_j C_ij) E_i - Σ_j C_ij E_j = P_i`` have a symmetric M-matrix A. With the
-test vector 1, ``A 1 >= Λ > 0``, so ``|A⁻¹ r| <= max |r_i| / Λ_i`` for any residual r: the error of
-an approximate solution is at most that (J. M. Varah, "A lower bound for the smallest singular value
-of a matrix", Linear Algebra and its Applications 11, 1975).
+The equations ``(Λ_i + Σ_j C_ij) E_i - Σ_j C_ij E_j = P_i`` have a symmetric M-matrix A. Without its
+damping Λ it is positive semidefinite, so ``r·A⁻¹ r <= Σ r_i² / Λ_i`` for any residual r. For two
+approximate solutions E and E' under powers P and P', with residuals r and r', the energy between
+them is ``P'·A⁻¹ P = P'·E + E'·r + r'·A⁻¹ r``: what is not known of it is at most the product of the
+roots of both bounds. A single energy is in error by at most ``max |r_i| / Λ_i``, as ``A 1 = Λ``.
 
 The iteration starts from zero with a Jacobi preconditioner (M. R. Hestenes, E. Stiefel, Journal of
 Research of the National Bureau of Standards 49, 1952). Every column is iterated separately until
-its error bound suffices, without BLAS: the result depends bit by bit neither on the other columns,
+its bound suffices, without BLAS: the result depends bit by bit neither on the other columns,
 nor on earlier frames, nor on the number of threads.
 """
 
@@ -26,6 +27,10 @@ ITERATIONS = 2000
 
 FIRST_CHECK, CHECKED = 4, 3
 """Iterations before the first evaluation of the error, and between two evaluations."""
+
+FEW, AT_LEAST = 100, 11
+"""With fewer subsystems, whose iterations cost next to nothing, so many come before the first
+evaluation: often that is exact to rounding."""
 
 SMALLEST = 1e-300
 """Added to divisors, so that a column that is solved exactly does not change."""
@@ -73,12 +78,14 @@ class Balanced:
         energy: (k, s, n), 0 or more.
         residual: (k, s, n) power less what the energies lose.
         bound: (k, s) on the root of ``r·A⁻¹ r`` for the residuals r, rounding included.
+        rounding: (k, s) the same of the rounding errors of the residuals alone.
         largest: (k, s) bound on the error of any energy.
     """
 
     energy: FloatArray
     residual: FloatArray
     bound: FloatArray
+    rounding: FloatArray
     largest: FloatArray
 
 
@@ -102,8 +109,9 @@ def solve(
         power.reshape(found.shape),
         np.repeat(balance.damping, columns, axis=0),
     )
+    first = FIRST_CHECK if count >= FEW else AT_LEAST
     for iteration in range(ITERATIONS):
-        if iteration >= FIRST_CHECK and (iteration - FIRST_CHECK) % CHECKED == 0:
+        if iteration >= first and (iteration - first) % CHECKED == 0:
             found[state.column] = state.energy
             wanted = good_enough(found.reshape(power.shape)).reshape(-1)
             state.restrict((state.product > 0) & (state.error_bounds() > wanted[state.column]))
@@ -116,12 +124,14 @@ def solve(
     residual = power.reshape(energy.shape) - matrix.times(energy)
     rounding = EPSILON * (2 * matrix.diagonal * energy + power.reshape(energy.shape))
     left = np.abs(residual) + rounding
-    relative = left / np.repeat(balance.damping, columns, axis=0)
+    damping = np.repeat(balance.damping, columns, axis=0)
+    bound, rounded = (
+        np.sqrt((error**2 / damping).sum(axis=1)).reshape(systems, columns)
+        for error in (left, rounding)
+    )
+    largest = (left / damping).max(axis=1, initial=0.0).reshape(systems, columns)
     return Balanced(
-        energy.reshape(power.shape),
-        residual.reshape(power.shape),
-        np.sqrt((left * relative).sum(axis=1)).reshape(systems, columns),
-        relative.max(axis=1, initial=0.0).reshape(systems, columns),
+        energy.reshape(power.shape), residual.reshape(power.shape), bound, rounded, largest
     )
 
 

@@ -2,15 +2,18 @@
 
 Subsystems are objects, and regions of those that are larger than the length over which they damp
 (`subsystems`). Derivation, units and limits are in ``docs/energy_balance.md``; in short, with
-energies E and the powers P that the sources put in:
+energies E under power P at a source or listener:
 
-    m_i Λ_i E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)², C_ij = Σ transmission² over the
-    contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions of one object,
+    m_i (Λ_i - 1 + s_i) E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)²,
+    C_ij = Σ transmission² over the contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions
+    of one object,
 
-where f is the object's propagation function, d_i a typical distance between contacts of i, and m_i
-the mass of a region in (0, 1]. The matrix is symmetric, strictly diagonally dominant and has no
-positive off-diagonal entry: there is always a solution, energy is never created, and the gain is
-reciprocal.
+where f is the object's propagation function, d_i a typical distance between contacts of i, m_i the
+mass of a region in (0, 1], and s_i what an object keeps to itself beside its losses: 1 if it is
+large. Source and listener take up a third of 1 - s per energy of their objects; what arrives then
+is the squared gain, but for a term that makes it f² in an object alone. It is reciprocal and at
+most 1. The matrix is symmetric, strictly diagonally dominant and has no positive off-diagonal
+entry: there is always a solution.
 
 Source: R. H. Lyon, R. G. DeJong, *Theory and Application of Statistical Energy Analysis*,
 Butterworth-Heinemann 1995, chapters 2 and 3.
@@ -457,14 +460,20 @@ class _Assembly:
         if len(self._border) and np.any(2 * np.sqrt(beyond) > good_enough(found.energy)):
             return None
         bound = np.sqrt(found.bound**2 + beyond)
-        error = bound[:, :driven, None] * np.where(column > 0, bound[:, None, column], reception)
         # What the residuals add, to first order: those of a node's energies under power at another.
         rest = np.einsum("kdn,kon->kdo", found.residual[:, :driven], found.energy[:, column])
         between = across(found.energy) + np.where(column > 0, rest, 0.0)
-        own = ((power + found.residual) * found.energy).sum(axis=2)
+        own = np.maximum(((power + found.residual) * found.energy).sum(axis=2), 0.0)
+        rounding = found.rounding[:, :driven, None] * np.sqrt(own[:, None, column])
+        error = np.where(
+            column > 0,
+            bound[:, :driven, None] * bound[:, None, column] + rounding,
+            bound[:, :driven, None] * reception,
+        )
+        own_error = bound**2 + found.rounding * np.sqrt(own)
         level = self._level(between, own)
         highest, lowest = (
-            self._level(between + sign * error, own - sign * bound**2)[0] for sign in (1.0, -1.0)
+            self._level(between + sign * error, own - sign * own_error)[0] for sign in (1.0, -1.0)
         )
         doubt = np.maximum(highest - level[0], level[0] - lowest)
         doubt += np.where(through[0] > UNDERFLOW, EPSILON * level[0], 0.0)
