@@ -4,7 +4,7 @@ The equations ``(Λ_i + Σ_j C_ij) E_i - Σ_j C_ij E_j = P_i`` have a symmetric 
 damping Λ it is positive semidefinite, so ``r·A⁻¹ r <= Σ r_i² / Λ_i`` for any residual r. For two
 approximate solutions E and E' under powers P and P', with residuals r and r', the energy between
 them is ``P'·A⁻¹ P = P'·E + E'·r + r'·A⁻¹ r``: what is not known of it is at most the product of the
-roots of both bounds. A single energy is in error by at most ``max |r_i| / Λ_i``, as ``A 1 = Λ``.
+roots of both bounds.
 
 The iteration starts from zero with a Jacobi preconditioner (M. R. Hestenes, E. Stiefel, Journal of
 Research of the National Bureau of Standards 49, 1952). Every column is iterated separately until
@@ -79,14 +79,12 @@ class Balanced:
         residual: (k, s, n) power less what the energies lose.
         bound: (k, s) on the root of ``r·A⁻¹ r`` for the residuals r, rounding included.
         rounding: (k, s) the same of the rounding errors of the residuals alone.
-        largest: (k, s) bound on the error of any energy.
     """
 
     energy: FloatArray
     residual: FloatArray
     bound: FloatArray
     rounding: FloatArray
-    largest: FloatArray
 
 
 def solve(
@@ -129,10 +127,7 @@ def solve(
         np.sqrt((error**2 / damping).sum(axis=1)).reshape(systems, columns)
         for error in (left, rounding)
     )
-    largest = (left / damping).max(axis=1, initial=0.0).reshape(systems, columns)
-    return Balanced(
-        energy.reshape(power.shape), residual.reshape(power.shape), bound, rounded, largest
-    )
+    return Balanced(energy.reshape(power.shape), residual.reshape(power.shape), bound, rounded)
 
 
 class _Iteration:

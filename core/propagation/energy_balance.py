@@ -23,17 +23,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, added_by, ranges, runs
+from ..arrays import BoolArray, FloatArray, IntArray, added_by, connected, ranges, runs
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
 from .conjugate_gradients import EPSILON, PowerBalance, solve
 from .connections import band_factors, lanes_of
-from .subsystems import LEAST, subsystems
-
-HOPS = 24
-"""Distance from a source, in contacts, up to which subsystems are assembled at first; doubled while
-farther ones may matter."""
+from .subsystems import subsystems
 
 PRECISE = 4e-3
 """Relative error allowed in a squared gain: 0.017 dB."""
@@ -100,9 +96,9 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
     size = np.array([len(part) for part in nodes])
     ends = np.array([node for part in nodes for node in part]), graph.listener_nodes[columns]
     if len(ends[0]) <= len(ends[1]):  # levels are reciprocal: solved for whichever are fewer
-        level, bound, count = _levels(graph, *ends)
+        level, bound, count = _Assembly(graph, *ends).solved()
     else:
-        level, bound, count = _levels(graph, *ends[::-1])
+        level, bound, count = _Assembly(graph, *ends[::-1]).solved()
         level = level.swapaxes(1, 2)
         bound = bound.T
     begin = size.cumsum() - size
@@ -121,19 +117,6 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
     if bands is not None:
         bands[pairs] = np.moveaxis(amplitude[1:], 0, -1)
     return Energies(gain, error, bands, count)
-
-
-def _levels(
-    graph: HapticGraph, driven: IntArray, observed: IntArray
-) -> tuple[FloatArray, FloatArray, int]:
-    """Squared gains (lanes, d, o) from nodes ``driven`` (d,) to nodes ``observed`` (o,), bounds (d,
-    o) on the errors of lane 0, and the number of subsystems."""
-    hops = HOPS
-    while True:
-        found = _Assembly(graph, driven, observed, hops).solved()
-        if found is not None:
-            return found
-        hops *= 2
 
 
 @frozen
@@ -164,29 +147,27 @@ class _Attachments:
 
 
 class _Assembly:
-    """The equations of all subsystems within ``hops`` contacts from the ``driven`` nodes.
+    """The equations of all subsystems that are connected to the ``driven`` nodes.
 
     Args:
         graph: the scene.
         driven: nodes (d,) of sources or listeners at which power is injected.
         observed: nodes (o,) at which energy is read.
-        hops: number of contacts.
     """
 
-    # Contacts, by their nodes, between two assembled objects are *inner*, those to any other object
-    # are at the *border*. A subsystem *passes* energy in a lane if its object's gain over its
-    # typical distance is not 0; *decay* is the reciprocal of that gain's square.
+    # A subsystem *passes* energy in a lane if its object's gain over its typical distance is not 0;
+    # *decay* is the reciprocal of that gain's square.
 
-    def __init__(self, graph: HapticGraph, driven: IntArray, observed: IntArray, hops: int) -> None:
+    def __init__(self, graph: HapticGraph, driven: IntArray, observed: IntArray) -> None:
         self._graph, self._driven, self._observed = graph, driven, observed
         self._lanes = lanes_of(graph)
-        nodes = graph.nodes_of_contacts()[graph.transmission > 0]
-        objects = graph.node_object[nodes]
-        self._reached = _within(objects, graph.node_object[driven], len(graph.table.names), hops)
-        inside = self._reached[objects]
-        self._border = nodes[inside[:, 0] ^ inside[:, 1]]
-        self._inner = nodes[inside.all(axis=1)]
-        self._parts = subsystems(graph, np.sort(nodes[inside]))
+        contacts = graph.nodes_of_contacts()[graph.transmission > 0]
+        objects = graph.node_object[contacts]
+        component = connected(objects, len(graph.table.names))
+        ends = component[graph.node_object[driven]], component[graph.node_object[observed]]
+        self._connected = ends[0][:, None] == ends[1]
+        self._contacts = contacts[np.isin(component[objects[:, 0]], ends[0])]
+        self._parts = subsystems(graph, np.sort(self._contacts, axis=None))
         through = self._squares(self._parts.of_object, self._parts.distance)
         self._passes = through > 0
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
@@ -231,9 +212,7 @@ class _Assembly:
         column = column[order]
         coupling = coupling[:, order]
         count = len(parts.mass)
-        self._border_part = self._border_couplings()
-        region, _, value, _ = self._border_part
-        leak = added_by(region, value, count) if len(region) else np.zeros((self._lanes, count))
+        leak = np.zeros((self._lanes, count))
         if not self._passes.all():
             blocked = ~self._passes[:, column]
             leak += added_by(row, np.where(blocked, coupling, 0.0), count)
@@ -243,7 +222,7 @@ class _Assembly:
 
     def _contact_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
         """Couplings by contacts: subsystems on either side, and values (lanes, c)."""
-        parts, nodes = self._parts, self._inner
+        parts, nodes = self._parts, self._contacts
         first = parts.node.searchsorted(nodes, side="left")
         size = parts.node.searchsorted(nodes, side="right") - first
         pairs = size.prod(axis=1)
@@ -253,27 +232,6 @@ class _Assembly:
         b = first[which, 1] + number % size[which, 1]
         value = self._contact_squares(nodes[:, 0])[:, which] * (parts.weight[a] * parts.weight[b])
         return parts.region[a], parts.region[b], value
-
-    def _border_couplings(self) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
-        """Couplings to objects that are not assembled: subsystem, the object beyond, value (lanes,
-        c) and weight of the contact."""
-        graph, parts = self._graph, self._parts
-        if len(self._border) == 0:
-            none = np.zeros(0, dtype=np.int64)
-            return none, none, np.zeros((self._lanes, 0)), np.zeros(0)
-        inside = self._reached[graph.node_object[self._border]]
-        nodes = self._border[inside]
-        first = parts.node.searchsorted(nodes, side="left")
-        size = parts.node.searchsorted(nodes, side="right") - first
-        which = np.arange(len(nodes)).repeat(size)
-        place = ranges(first, size)
-        beyond = graph.node_object[self._border[~inside]][which]
-        return (
-            parts.region[place],
-            beyond,
-            self._contact_squares(nodes)[:, which] * parts.weight[place],
-            parts.weight[place],
-        )
 
     def _region_couplings(
         self,
@@ -426,23 +384,22 @@ class _Assembly:
         part = np.concatenate([entry.distribution, exit_.distribution[:, place]], axis=1)
         return (row, region, part), column
 
-    def solved(self) -> tuple[FloatArray, FloatArray, int] | None:
-        """What `_levels` gives; None if subsystems outside the assembly may matter."""
+    def solved(self) -> tuple[FloatArray, FloatArray, int]:
+        """Squared gains (lanes, d, o), bounds (d, o) on the errors of lane 0, and the number of
+        subsystems."""
         exit_, column, driven = self._exit, self._column, len(self._driven)
         row, region, part = self._inputs
         power = np.zeros((self._lanes, int(row.max(initial=driven - 1)) + 1, len(self._parts.mass)))
         power[:, row, region] = part
-        unknown = ~self._reached[self._graph.node_object[self._observed]] & (len(self._border) > 0)
-        heard = np.where(unknown, 1.0, exit_.through)
-        through = np.maximum(self._entry.through[:, :, None] * heard[:, None], UNDERFLOW)
+        through = self._entry.through[:, :, None] * exit_.through[:, None]
         # Of nodes without a column: the most that their energy is under unit power of their own.
         weight = exit_.distribution**2 / self._balance.damping[:, exit_.region]
-        most = np.where(unknown, 1.0 / LEAST, added_by(exit_.node, weight, len(unknown)))
-        reception = np.where(column > 0, OWN, np.sqrt(most) + TINIEST)[:, None]
+        most = added_by(exit_.node, weight, len(self._observed))
+        reception = np.where(column > 0, OWN, np.sqrt(most))[:, None]
 
         def across(energy: FloatArray) -> FloatArray:
             heard = energy[:, :driven, exit_.region] * exit_.distribution[:, None]
-            return added_by(exit_.node, heard, len(unknown))
+            return added_by(exit_.node, heard, len(self._observed))
 
         def good_enough(energy: FloatArray) -> FloatArray:
             own = added_by(row, part * energy[:, row, region], power.shape[1])
@@ -455,36 +412,24 @@ class _Assembly:
             return goal
 
         found = solve(self._balance, power, good_enough)
-        flow = self._flow_outside(found.energy)
-        beyond = (flow**2).sum(axis=2) / LEAST
-        if len(self._border) and np.any(2 * np.sqrt(beyond) > good_enough(found.energy)):
-            return None
-        bound = np.sqrt(found.bound**2 + beyond)
+        bound, rounding = found.bound[:, :driven, None], found.rounding[:, :driven, None]
         # What the residuals add, to first order: those of a node's energies under power at another.
         rest = np.einsum("kdn,kon->kdo", found.residual[:, :driven], found.energy[:, column])
         between = across(found.energy) + np.where(column > 0, rest, 0.0)
         own = np.maximum(((power + found.residual) * found.energy).sum(axis=2), 0.0)
-        rounding = found.rounding[:, :driven, None] * np.sqrt(own[:, None, column])
         error = np.where(
             column > 0,
-            bound[:, :driven, None] * bound[:, None, column] + rounding,
-            bound[:, :driven, None] * reception,
+            bound * found.bound[:, None, column] + rounding * np.sqrt(own[:, None, column]),
+            bound * reception,
         )
-        own_error = bound**2 + found.rounding * np.sqrt(own)
+        own_error = found.bound**2 + found.rounding * np.sqrt(own)
         level = self._level(between, own)
         highest, lowest = (
             self._level(between + sign * error, own - sign * own_error)[0] for sign in (1.0, -1.0)
         )
         doubt = np.maximum(highest - level[0], level[0] - lowest)
-        doubt += np.where(through[0] > UNDERFLOW, EPSILON * level[0], 0.0)
-        outside = np.maximum(found.largest, flow.max(axis=2, initial=0.0) / LEAST)[0, :driven, None]
-        return level, np.where(unknown, outside * through[0], doubt), len(self._parts.mass)
-
-    def _flow_outside(self, energy: FloatArray) -> FloatArray:
-        """The energy (lanes, columns, objects) that flows to each object outside the assembly."""
-        region, beyond, _, weight = self._border_part
-        objects, which = np.unique(beyond, return_inverse=True)
-        return added_by(which, energy[:, :, region] * weight, len(objects))
+        doubt += np.where(through[0] > 0, EPSILON * level[0], 0.0)
+        return level, doubt * self._connected, len(self._parts.mass)
 
     def _level(self, across: FloatArray, own: FloatArray) -> FloatArray:
         """Squared gains (lanes, d, o) by energies: ``across`` (lanes, d, o) from node to node, and
@@ -499,17 +444,3 @@ class _Assembly:
         lost = first[:, :, None] * second[:, None] - both * across**2 + either * across
         through = entry.through[:, :, None] * exit_.through[:, None]
         return np.clip(through * across / np.maximum(lost, 1.0) + self._direct, 0.0, 1.0)
-
-
-def _within(contacts: IntArray, starts: IntArray, count: int, hops: int) -> BoolArray:
-    """Which of ``count`` objects are at most ``hops`` contacts (c, 2) away from the objects
-    ``starts``."""
-    reached = np.zeros(count, dtype=np.bool_)
-    reached[starts] = True
-    for _ in range(hops):
-        inside = reached[contacts]
-        onwards = inside[:, 0] ^ inside[:, 1]
-        if not onwards.any():
-            break
-        reached[contacts[onwards]] = True
-    return reached

@@ -233,11 +233,13 @@ def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, 
             np.diag(damping[system] + leak[system] + factor * matrix.sum(axis=1)) - factor * matrix
         )
         exact = np.linalg.solve(full, power[system])
-        doubt, bound, energy = found.largest[system], found.bound[system], found.energy[system]
+        # No energy is above 1 under power of its own: so that is a bound on any energy's error, too.
+        doubt, energy = found.bound[system], found.energy[system]
         assert np.all(np.abs(energy - exact) <= doubt[:, None] + 1e-14)
-        assert bound.max() <= wanted + 1e-11
+        assert doubt.max() <= wanted + 1e-11
         between = energy + found.residual[system] @ energy.T
-        assert np.all(np.abs(between - exact) <= np.outer(bound, bound) + 1e-14)
+        uncertain = np.outer(doubt, doubt) + found.rounding[system][:, None]
+        assert np.all(np.abs(between - exact) <= uncertain + 1e-14)
         assert np.allclose(
             ((damping[system] + leak[system]) * found.energy[system]).sum(axis=1),
             1,
@@ -356,6 +358,28 @@ def test_large_ground_is_felt_by_distance(shape):
     assert gains[-1] < 1e-4
 
 
+@pytest.mark.parametrize("count", [2, 6])
+def test_a_size_changes_levels_gradually(count):
+    """A plate, from smaller than half the length over which it damps to larger than that length: 1
+    % more changes less than 0.1 dB, though a large one keeps energy to itself."""
+
+    def level(side: float) -> float:
+        plate = HapticObject("plate", 0, 1, Exponential(alpha=0.1), shape=Box((side, side, 0.1)))
+        rods = [HapticObject(f"rod {k}", 0, 1, Identity()) for k in range(count)]
+        places = [(0.3 * math.cos(k), 0.3 * math.sin(2 * k), 0.05) for k in range(count)]
+        contacts = tuple(
+            Contact(("plate", rod.name), (place, place))
+            for rod, place in zip(rods, places, strict=True)
+        )
+        ends = (Source("s", "rod 0"),), (Listener("l", "rod 1"),)
+        return 20 * math.log10(gain(HapticScene((plate, *rods), contacts, *ends)))
+
+    levels = [level(10 * math.exp(0.01 * k)) for k in range(-60, 60)]
+    assert np.abs(np.diff(levels)).max() < 0.1
+    assert levels == sorted(levels, reverse=True)
+    assert -6 < levels[-1] < levels[0] - 3
+
+
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(SEEDS)
 def test_moving_everything_together_changes_nothing(seed):
@@ -443,18 +467,16 @@ def test_hub_of_10000_contacts_and_special_functions():
     )
 
 
-def test_only_what_signals_reach_is_assembled():
-    """Of a chain of 1,000 objects only the beginning; what is not, and what is too small for a
-    number, is not claimed to be 0."""
+def test_far_along_a_chain_that_damps():
+    """Near the source within the bound; what is too small for the iteration is not claimed to be
+    0."""
     objects = tuple(HapticObject(f"o{k:04d}", 0, 1, Constant(gain_value=0.5)) for k in range(1000))
     contacts = tuple(Contact((f"o{k:04d}", f"o{k + 1:04d}"), (ORIGIN, ORIGIN)) for k in range(999))
     heard = tuple(Listener(f"l{k}", f"o{k:04d}") for k in (1, 5, 900))
     graph = graph_of_scene(HapticScene(objects, contacts, (Source("s", "o0000"),), heard))
-    energies = energy_balance.energy_gains(graph, np.ones((1, 3), dtype=np.bool_))
-    assert energies.subsystems < 60
     result = propagate(graph, CHOSEN)
-    assert result.gain[0, 2] == 0
-    assert 0 < result.error_bound[0, 2] <= 1e-6
+    assert result.gain[0, 2] <= result.error_bound[0, 2] <= 1e-6
+    assert result.error_bound[0, 2] > 0
     matrix = coupled([3.0] * 1000, {(k, k + 1): 1.0 for k in range(999)})
     for column, number in ((0, 1), (1, 5)):
         exact = seen(matrix, 0, number)
@@ -465,8 +487,7 @@ def test_only_what_signals_reach_is_assembled():
         )
 
 
-def test_strong_coupling_reaches_beyond_the_first_hops(monkeypatch):
-    """Where much flows on, more is assembled, until what lies beyond can't matter."""
+def test_strong_coupling_along_a_chain():
     objects = tuple(HapticObject(f"o{k:03d}", 0, 1, Identity()) for k in range(120))
     contacts = tuple(
         Contact((f"o{k:03d}", f"o{k + 1:03d}"), (place, place))
@@ -476,12 +497,8 @@ def test_strong_coupling_reaches_beyond_the_first_hops(monkeypatch):
     graph = graph_of_scene(
         HapticScene(objects, contacts, (Source("s", "o000"),), (Listener("l", "o030"),))
     )
-    whole = propagate(graph, CHOSEN)
-    monkeypatch.setattr(energy_balance, "HOPS", 2)
-    step_by_step = propagate(graph, CHOSEN)
-    exact = energy_gain(graph, 0, 0)
-    for result in (whole, step_by_step):
-        assert abs(result.gain[0, 0] - exact) <= result.error_bound[0, 0] <= 0.002 * exact
+    result, exact = propagate(graph, CHOSEN), energy_gain(graph, 0, 0)
+    assert abs(result.gain[0, 0] - exact) <= result.error_bound[0, 0] <= 0.002 * exact
 
 
 def test_gains_too_small_for_their_squares():
