@@ -77,14 +77,14 @@ class Balanced:
     Attributes:
         energy: (k, s, n), 0 or more.
         residual: (k, s, n) power less what the energies lose.
+        rounding: (k, s, n) bounds on the rounding errors of the residuals.
         bound: (k, s) on the root of ``r·A⁻¹ r`` for the residuals r, rounding included.
-        rounding: (k, s) the same of the rounding errors of the residuals alone.
     """
 
     energy: FloatArray
     residual: FloatArray
-    bound: FloatArray
     rounding: FloatArray
+    bound: FloatArray
 
 
 def solve(
@@ -122,12 +122,13 @@ def solve(
     residual = power.reshape(energy.shape) - matrix.times(energy)
     rounding = EPSILON * (2 * matrix.diagonal * energy + power.reshape(energy.shape))
     left = np.abs(residual) + rounding
-    damping = np.repeat(balance.damping, columns, axis=0)
-    bound, rounded = (
-        np.sqrt((error**2 / damping).sum(axis=1)).reshape(systems, columns)
-        for error in (left, rounding)
+    square = (left**2 / np.repeat(balance.damping, columns, axis=0)).sum(axis=1)
+    return Balanced(
+        energy.reshape(power.shape),
+        residual.reshape(power.shape),
+        rounding.reshape(power.shape),
+        np.sqrt(square).reshape(systems, columns),
     )
-    return Balanced(energy.reshape(power.shape), residual.reshape(power.shape), bound, rounded)
 
 
 class _Iteration:

@@ -412,17 +412,18 @@ class _Assembly:
             return goal
 
         found = solve(self._balance, power, good_enough)
-        bound, rounding = found.bound[:, :driven, None], found.rounding[:, :driven, None]
-        # What the residuals add, to first order: those of a node's energies under power at another.
-        rest = np.einsum("kdn,kon->kdo", found.residual[:, :driven], found.energy[:, column])
-        between = across(found.energy) + np.where(column > 0, rest, 0.0)
         own = np.maximum(((power + found.residual) * found.energy).sum(axis=2), 0.0)
-        error = np.where(
-            column > 0,
-            bound * found.bound[:, None, column] + rounding * np.sqrt(own[:, None, column]),
-            bound * reception,
+        own_error = found.bound**2 + (found.rounding * found.energy).sum(axis=2)
+        # What the residuals add, to first order: those of a node's energies under power at another.
+        rest, rounding = (
+            np.einsum("kdn,kon->kdo", part[:, :driven], found.energy[:, column])
+            for part in (found.residual, found.rounding)
         )
-        own_error = found.bound**2 + found.rounding * np.sqrt(own)
+        has_column = column > 0
+        between = across(found.energy) + np.where(has_column, rest, 0.0)
+        error = found.bound[:, :driven, None] * np.where(
+            has_column, found.bound[:, None, column], reception
+        ) + np.where(has_column, rounding, 0.0)
         level = self._level(between, own)
         highest, lowest = (
             self._level(between + sign * error, own - sign * own_error)[0] for sign in (1.0, -1.0)

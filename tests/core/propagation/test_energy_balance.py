@@ -238,7 +238,7 @@ def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, 
         assert np.all(np.abs(energy - exact) <= doubt[:, None] + 1e-14)
         assert doubt.max() <= wanted + 1e-11
         between = energy + found.residual[system] @ energy.T
-        uncertain = np.outer(doubt, doubt) + found.rounding[system][:, None]
+        uncertain = np.outer(doubt, doubt) + found.rounding[system] @ energy.T
         assert np.all(np.abs(between - exact) <= uncertain + 1e-14)
         assert np.allclose(
             ((damping[system] + leak[system]) * found.energy[system]).sum(axis=1),
