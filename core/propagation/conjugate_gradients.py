@@ -28,7 +28,7 @@ ITERATIONS = 2000
 FIRST_CHECK, CHECKED = 4, 3
 """Iterations before the first evaluation of the error, and between two evaluations."""
 
-FEW, AT_LEAST = 200, 11
+FEW, AT_LEAST = 100, 11
 """With fewer subsystems, whose iterations cost next to nothing, so many come before the first
 evaluation: often that is exact to rounding."""
 
