@@ -159,11 +159,11 @@ def test_energies_from_authored_numbers(seed, count):
             [c.positions[0] for c, edge in zip(contacts, edges, strict=True) if index in edge]
             for index in range(count)
         ]
-        damping, middles = [], []
+        damping, middles, least = [], [], mpmath.mpf(1) / 200
         for index, here in enumerate(places):
             pairs = [apart(a, b) ** 2 for k, a in enumerate(here) for b in here[:k]]
             typical = mpmath.sqrt(sum(pairs) / len(pairs)) if pairs else mpmath.mpf(0)
-            damping.append(1 / squared(index, typical))
+            damping.append(1 / squared(index, typical) - 1 + least)
             middles.append([sum(mpmath.mpf(p[k]) for p in here) / len(here) for k in range(3)])
         matrix = mpmath.diag(damping)
         for (a, b), contact in zip(edges, contacts, strict=True):
@@ -172,10 +172,14 @@ def test_energies_from_authored_numbers(seed, count):
                 matrix[i, i] += coupling
                 matrix[i, j] -= coupling
         last = count - 1
-        power = mpmath.zeros(count, 1)
-        power[0] = squared(0, apart(ends[0], middles[0])) / squared(0, mpmath.mpf(0))
-        heard = squared(last, apart(ends[1], middles[last])) / squared(last, mpmath.mpf(0))
-        exact = mpmath.sqrt(mpmath.lu_solve(matrix, power)[last] * heard)
+        energy, takes = matrix**-1, (1 - least) / 3
+        own = (1 + takes * energy[0, 0]) * (1 + takes * energy[last, last])
+        arrives = 1 / (own / energy[0, last] - takes**2 * energy[0, last])
+        put_in, heard = (
+            squared(index, apart(end, middles[index])) / squared(index, mpmath.mpf(0))
+            for index, end in zip((0, last), ends, strict=True)
+        )
+        exact = mpmath.sqrt(put_in * heard / (1 / arrives + takes))
         result = propagate(graph, Settings(strategy=Strategy.ENERGY_BALANCE))
         assert abs(result.gain[0, 0] - exact) <= result.error_bound[0, 0] <= 0.002 * exact
 

@@ -252,7 +252,8 @@ def test_distances_whose_squares_are_no_numbers(strategy, far):
             (Listener("l", "b", (-far, 0, -far)),),
         )
         result = propagate(graph_of_scene(scene), Settings(strategy=strategy, threshold=0.0))
-        assert result.error_bound[0, 0] <= (1e-13 if strategy is Strategy.ENERGY_BALANCE else 0)
+        # Of objects without losses the energies are up to 200, and so is what is rounded.
+        assert result.error_bound[0, 0] <= (1e-9 if strategy is Strategy.ENERGY_BALANCE else 0)
         if strategy is Strategy.BEST_PATH:
             assert result.gain[0, 0] == gain
         else:
