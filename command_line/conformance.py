@@ -61,7 +61,7 @@ def conversation(file: Path) -> Form:
             raise FormatError(
                 file, f"/exchange/{number}/send", "is required: a message with its type"
             )
-    return document
+    return dict(document)
 
 
 def differences(document: Form, client: ClientConnection, token: str | None) -> Iterator[str]:

@@ -14,7 +14,7 @@ from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
 from ..core.modalities.propagation import Felt
 from ..core.propagation import Propagation, objects_on
-from ..core.render.arrival import levels_alone
+from ..core.render.arrival import levels_alone, signal_gains
 from ..core.render.frame_result import Sounding
 from ..core.render.masking import felt_sources
 from ..core.run_time import Scene, load
@@ -111,14 +111,15 @@ def report(
     these gains include the amplitude."""
     pairs = []
     played = levels_alone(scene.sources, scene.listeners, result)
+    gains = signal_gains(scene.sources, result).tolist()
     for row, source in enumerate(graph.sources):
         for column, listener in enumerate(scene.listeners):
             paths = int(result.paths[row, column])
             pair: JsonObject = {
                 "source": source.name,
                 "listener": listener.name,
-                "gain": source.amplitude * float(result.gain[row, column]),
-                "path_gain": float(result.gain[row, column]),
+                "gain": source.amplitude * gains[row][column],
+                "path_gain": gains[row][column],
                 "level": level if (level := float(played[row, column])) > -math.inf else None,
                 "error_bound": source.amplitude * bound
                 if (bound := float(result.error_bound[row, column])) < math.inf

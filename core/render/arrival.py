@@ -20,21 +20,23 @@ _RATE = 2000
 """Samples of the first second of a signal: enough for the frequencies of all bands."""
 
 
-def arriving(sources: Sequence[Source], propagation: Propagation) -> FloatArray:
-    """Amplitude (s, l) of each source at each listener: its own times its gain.
-
-    Where functions use bands, that is the RMS gain of the first second of its signal through the
-    filters of the bands; of a tone, its gain.
-    """
-    amplitude = np.array([source.amplitude for source in sources]).reshape(-1, 1)
+def signal_gains(sources: Sequence[Source], propagation: Propagation) -> FloatArray:
+    """Gain (s, l) of each source's signal on its paths to each listener. Where functions use bands,
+    that is the RMS gain of the signal's first second through their filters; of a tone, its gain."""
     if propagation.band_gain is None:
-        return np.asarray(propagation.gain * amplitude)
+        return propagation.gain
     gain = propagation.band_gain
     power = np.array([_band_power(source.emitted) for source in sources]).reshape(
         -1, 1, BAND_COUNT, BAND_COUNT
     )
     squared = ((gain[:, :, :, None] * power).sum(axis=2) * gain).sum(axis=2)
-    return np.asarray(np.sqrt(np.maximum(squared, 0.0)) * amplitude)
+    return np.asarray(np.sqrt(np.maximum(squared, 0.0)))
+
+
+def arriving(sources: Sequence[Source], propagation: Propagation) -> FloatArray:
+    """Amplitude (s, l) of each source at each listener: its own times the gain of its signal."""
+    amplitude = np.array([source.amplitude for source in sources]).reshape(-1, 1)
+    return np.asarray(signal_gains(sources, propagation) * amplitude)
 
 
 def levels_alone(

@@ -25,6 +25,7 @@ from ..formats.scene.scene_json import (
 )
 from ..graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
 from ..propagation import Propagation, propagate
+from ..render.arrival import signal_gains
 from ..render.frame_result import FrameResult
 from ..render.renderer import SAMPLE_RATE
 from ..scene.references import require_known
@@ -172,7 +173,7 @@ class Scene:
         >>> scene.gains()
         {('drill', 'hand'): 0.75}
         """
-        gain = self.propagate().gain
+        gain = signal_gains(self.content.sources, self.propagate())
         return {
             (source.name, listener.name): float(gain[row, column])
             for row, source in enumerate(self.content.sources)

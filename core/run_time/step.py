@@ -10,6 +10,7 @@ from ..arrays import FloatArray
 from ..contacts.impacts import Impact
 from ..frozen import frozen
 from ..message import sentence
+from ..render.arrival import signal_gains
 from ..render.frame_result import FrameResult
 from ..render.history import History, lasts, still_samples
 from ..render.levels import LEVEL_SECONDS, finite, level_and_margin
@@ -76,18 +77,21 @@ def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step
     sources, listeners = (
         [item.name for item in items] for items in (result.sources, result.listeners)
     )
-    gains = result.propagation.gain.T.tolist()
+    gains = signal_gains(result.sources, result.propagation)
     first = len(result.sources) - len(result.impacts)
     return Step(
         time=result.time,
         levels={
             name: Level(
-                finite(level[k]), finite(margin[k]), dict(zip(sources, gains[k], strict=True))
+                finite(level[k]),
+                finite(margin[k]),
+                dict(zip(sources, gains[:, k].tolist(), strict=True)),
             )
             for k, name in enumerate(listeners)
         },
         impacts=tuple(
-            _blow(result, impact, first + k, moving) for k, impact in enumerate(result.impacts)
+            _blow(result, impact, first + k, gains[first + k], moving)
+            for k, impact in enumerate(result.impacts)
         ),
         block=np.zeros((len(listeners), 0)) if result.block is None else result.block,
         first_sample=result.first_sample,
@@ -97,8 +101,18 @@ def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step
     )
 
 
-def _blow(result: FrameResult, impact: Impact, row: int, moving: Sequence[str]) -> Blow:
-    """An impact, whose source is number ``row``."""
+def _blow(
+    result: FrameResult, impact: Impact, row: int, gains: FloatArray, moving: Sequence[str]
+) -> Blow:
+    """An impact.
+
+    Args:
+        result: of the frame.
+        impact: one of its impacts.
+        row: the number of its source.
+        gains: of that to the listeners (l,).
+        moving: names that impacts number.
+    """
     first, second = impact.objects
     return Blow(
         time=impact.time,
@@ -106,11 +120,5 @@ def _blow(result: FrameResult, impact: Impact, row: int, moving: Sequence[str]) 
         position=impact.positions[0],
         energy=impact.energy,
         amplitude=result.sources[row].amplitude,
-        gains=dict(
-            zip(
-                (item.name for item in result.listeners),
-                result.propagation.gain[row].tolist(),
-                strict=True,
-            )
-        ),
+        gains=dict(zip((item.name for item in result.listeners), gains.tolist(), strict=True)),
     )
