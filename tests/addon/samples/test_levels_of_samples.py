@@ -34,7 +34,7 @@ _specification.loader.exec_module(short_parts)
 
 LOCAL = 0.5
 """Decibels that a body far away may change in an energy balance."""
-WITHIN_ONE_LENGTH = {"hammer_nail": 1.7, "domino_wall": 0.6}
+WITHIN_ONE_LENGTH = {"hammer_nail": 2.6, "domino_wall": 1.6}
 """The same on the concrete slabs of these samples, which are 2.3 m wide: there a wave fills the
 width and hardly loses anything further on, so that its gain is 1/e at 60 m. What is nearer than
 that length is one region by the definition, whatever the distance in metres: a body 60 m away is at
