@@ -78,8 +78,11 @@ def steps(window):
     window.seen["edits go on"] = sessions.is_behind(scene) and max(waited) < 5.0
     print("seconds of edits", [round(seconds, 2) for seconds in waited])
     window.save_picture("tracing")
-    yield from while_traced(window.click_button("haptic.cancel_tracing", columns=(0.82,)))
-    yield from window.wait_until(is_cancelled)
+    for _ in range(5):  # a click that comes as the trace ends cancels nothing
+        yield from while_traced(window.click_button("haptic.cancel_tracing", columns=(0.82,)))
+        yield from window.wait_until(lambda: is_cancelled() or not sessions.is_behind(scene))
+        if is_cancelled():
+            break
     window.seen["cancelled"] = is_cancelled() and not sessions.is_behind(scene)
     window.save_picture("cancelled")
     edit()
