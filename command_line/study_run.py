@@ -180,7 +180,7 @@ class Study:
 
     @property
     def _step(self) -> JsonObject:
-        """What the participant who is sitting does now."""
+        """The step at which the current participant is; empty without a participant."""
         return self._sitting.step if self._sitting else {}
 
     def _on_look(self) -> None:

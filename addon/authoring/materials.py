@@ -55,7 +55,7 @@ def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
     """Assign a material to objects: they take its values, now and when it changes; physical ones
     also the damping of a preset."""
     physical = _physical_ones(objects)
-    # Many objects are built one by one: each evaluation would take as long as the scene is large.
+    # Callers may assign to one object after the other: evaluate the scene only where it is needed.
     depsgraph = bpy.context.evaluated_depsgraph_get() if physical else None
     _assign(objects, item)
     if depsgraph is not None:

@@ -72,7 +72,15 @@ class HAPTIC_FH_scene(FileHandler):
         return _in_viewport(context)
 
 
-class HAPTIC_FH_tracks(FileHandler):
+class _OntoObject:
+    """Drops on the viewport that need an active object."""
+
+    @classmethod
+    def poll_drop(cls, context: Context) -> bool:
+        return _in_viewport(context) and context.object is not None
+
+
+class HAPTIC_FH_tracks(_OntoObject, FileHandler):
     """Haptic tracks for export; on import, vibrations as signals"""
 
     bl_label = "Haptic Tracks"
@@ -80,21 +88,13 @@ class HAPTIC_FH_tracks(FileHandler):
     bl_export_operator = "export_scene.haptic_tracks"
     bl_file_extensions = ";".join(READERS)
 
-    @classmethod
-    def poll_drop(cls, context: Context) -> bool:
-        return _in_viewport(context) and context.object is not None
 
-
-class HAPTIC_FH_sound(FileHandler):
+class HAPTIC_FH_sound(_OntoObject, FileHandler):
     """Sounds, whose vibration the active object emits"""
 
     bl_label = "Sound to Vibration"
     bl_import_operator = "haptic.import_sound"
     bl_file_extensions = ";".join(SOUNDS)
-
-    @classmethod
-    def poll_drop(cls, context: Context) -> bool:
-        return _in_viewport(context) and context.object is not None
 
 
 def _in_viewport(context: Context) -> bool:

@@ -285,7 +285,7 @@ class SceneReader:
         if matrices is None or not self._unchecked.isdisjoint(self._instances.shown):
             return False
         known = self._lists.stretches[-len(matrices) :]
-        if _is_stretched(rigid_transforms(matrices)[1], known).any():
+        if _differ(rigid_transforms(matrices)[1], known).any():
             return False
         self._instances = replace(self._instances, matrices=matrices)
         self._instance_milliseconds = 1000 * (perf_counter() - started)
@@ -375,7 +375,7 @@ class SceneReader:
         if len(moved):
             self._parented.correct(self._rigid, exact)
             known = lists.stretches[moved]
-            rows |= set(lists.rows[moved[_is_stretched(stretches, known)]].tolist())
+            rows |= set(lists.rows[moved[_differ(stretches, known)]].tolist())
         if lists is self._lists:
             unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
             if unchecked and self._session_ids is not None:
@@ -493,7 +493,7 @@ class SceneReader:
         so that a rotating object keeps its shape."""
         stretch = np.array([float(f"{part:.6g}") for part in stretch.tolist()])
         known = np.array(self._tagged[row].stretch) if row in self._tagged else stretch
-        return stretch if _is_stretched(stretch[None], known[None])[0] else known
+        return stretch if _differ(stretch[None], known[None])[0] else known
 
     def _shape(self, obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
         """The collision shape of an object with its world ``stretch`` (6,): that of an imported
@@ -590,8 +590,8 @@ def _tagged_above(obj: Object, tagged: Container[int]) -> Object | None:
     return above
 
 
-def _is_stretched(stretches: FloatArray, known: FloatArray) -> BoolArray:
-    """Which stretches (n, 6) differ from those ``known`` by more than rounding."""
+def _differ(stretches: FloatArray, known: FloatArray) -> BoolArray:
+    """Whether stretches (n, 6) differ from those ``known`` (n, 6) by more than rounding, (n,)."""
     limits = 1e-5 * np.abs(known)
     limits[:, 3:] = limits[:, :3].max(axis=1, keepdims=True)
     return np.asarray(np.any(np.abs(stretches - known) > limits, axis=1))

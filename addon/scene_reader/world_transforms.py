@@ -78,7 +78,7 @@ def _length(vector: FloatArray) -> float:
 def lengths_of_axes(stretch: FloatArray) -> FloatArray:
     """The scales (3,) that Blender shows of an object with this ``stretch`` (6,)."""
     x, y, z, y_along_x, z_along_x, z_along_y = stretch
-    return np.sqrt([x * x, y * y + y_along_x**2, z * z + z_along_x**2 + z_along_y**2])
+    return np.hypot([x, y, z], [0.0, y_along_x, np.hypot(z_along_x, z_along_y)])
 
 
 def apply_stretch(points: FloatArray, stretch: FloatArray) -> FloatArray:

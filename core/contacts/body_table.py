@@ -72,8 +72,9 @@ class BodyTable:
         self.rest_limits[9:, bodies] = STILL
 
     def move_parts(self, number: int, old: Body, body: Body) -> bool:
-        """Move the parts of a compound, as bones do. Returns False, without a change, if ``body``
-        differs from ``old``, the body ``number``, in anything but the poses of its parts."""
+        """Give the parts of a compound other poses, as bones do. Returns False, without a change,
+        if ``body`` differs from ``old``, the body ``number``, in anything but the poses of its
+        parts."""
         shape = old.shape
         new = body.shape
         if (

@@ -118,8 +118,8 @@ class Candidates:
     def motion(
         self, rows: IntArray, turn: FloatArray, place: FloatArray, radius: FloatArray
     ) -> FloatArray:
-        """How far any point of the smaller bodies of the pairs ``rows`` (k,) has moved since these
-        pairs were queried: (k,) [m].
+        """An upper bound (k,) [m] on the motion, since the last query, of any point of the smaller
+        body of each pair relative to the larger one.
 
         Args:
             rows: numbers of the pairs (k,).

@@ -34,7 +34,8 @@ class RecentImpacts:
         return np.array(sorted(self._last), dtype=np.int64)
 
     def expire(self, time: float, duration: float) -> None:
-        """Drop those that have no effect at ``time`` after an interval of this ``duration`` [s]."""
+        """Forget impacts whose refractory time is over for good at ``time`` [s], the end of a frame
+        of this ``duration`` [s]."""
         longest = self._refractory + max(duration, _TIPPING)
         self._last = {key: last for key, last in self._last.items() if time - last[0] <= longest}
 

@@ -45,8 +45,8 @@ SAFETY = 2.0
 """How much more exact the energies are of which a squared gain is made."""
 
 TERMINAL = 1 / 3
-"""Power that a source or listener takes up per energy of its object, where the object itself takes
-up none."""
+"""Damping that a source or listener adds to its object if that is small; none if it is larger than
+the length over which it damps."""
 
 UNDERFLOW = 1e-280
 """Squares of gains other than 0 are raised to this, so that they do not underflow."""

@@ -325,7 +325,8 @@ class Run:
         ]
         self._bodies = tuple(body for _, body in self._solids)
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
-        # Of all sources or listeners: the rows of their objects, and their places there (n, 3).
+        # By kind, "source" or "listener": the rows of their objects, and their positions in the
+        # frames of these (n, 3).
         self._anchors: dict[str, tuple[list[int], FloatArray]] = {}
 
     def _checked_poses(self, poses: Mapping[str, Sequence[float]]) -> FloatArray:

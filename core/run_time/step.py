@@ -10,7 +10,6 @@ from ..arrays import FloatArray
 from ..contacts.impacts import Impact
 from ..frozen import frozen
 from ..message import sentence
-from ..render.arrival import signal_gains
 from ..render.frame_result import FrameResult
 from ..render.history import History, lasts, still_samples
 from ..render.levels import LEVEL_SECONDS, finite, level_and_margin
@@ -77,7 +76,7 @@ def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step
     sources, listeners = (
         [item.name for item in items] for items in (result.sources, result.listeners)
     )
-    gains = signal_gains(result.sources, result.propagation)
+    gains = result.gains
     first = len(result.sources) - len(result.impacts)
     return Step(
         time=result.time,

@@ -1,4 +1,4 @@
-"""A participant's way through the study: which step is next, and the answers."""
+"""The progress of one participant through the study: the next step, and the answers so far."""
 
 from __future__ import annotations
 

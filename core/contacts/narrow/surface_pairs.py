@@ -206,14 +206,15 @@ class SurfacePairs:
         ]
 
     def _parts(self, core: int, solid: bool) -> tuple[SurfacePart, ...]:
-        """The parts of a body's surface; of a convex one, and of a hull if it is ``solid``, the
-        body."""
+        """The parts of the surface of a mesh, or of a hull that is not ``solid``; any other core is
+        a part by itself."""
         kind = self._table.kind[core]
         if kind == Kind.MESH or (kind == Kind.HULL and not solid):
             return self._surfaces[core].parts
         body = self._bodies.core(core, Size.THICK if kind == Kind.BOX else Size.USUAL)
-        low, high = self._table.cores[core].bounds()
-        return (SurfacePart(low, high, body.first, body.second),)
+        centre = self._table.bound_centre[:, core]
+        half = self._table.bound_half[:, core]
+        return (SurfacePart(centre - half, centre + half, body.first, body.second),)
 
     def contacts(
         self,

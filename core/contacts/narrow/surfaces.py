@@ -20,7 +20,7 @@ _MOST_IN_PART = 16_384
 microseconds a triangle, and Blender isn't drawn."""
 
 _ROUNDING = 1e-6
-"""Metres by which bounds may be nearer than they are reckoned."""
+"""Metres by which distances of bounds are reduced, so that rounding leaves them lower bounds."""
 
 
 @frozen

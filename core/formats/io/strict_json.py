@@ -30,7 +30,7 @@ _CHUNK = 2**22
 _MARKS = b'"[]{},'
 _PLAIN = bytes(set(range(256)) - set(_MARKS))
 _STEPS = np.zeros(256, dtype=np.int8)
-"""How much deeper what follows a byte outside of a string is nested."""
+"""By byte: the change of the nesting depth, 1 at an opening and -1 at a closing bracket."""
 _STEPS[list(b"[{")], _STEPS[list(b"]}")] = 1, -1
 
 _SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
