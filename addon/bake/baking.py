@@ -10,7 +10,7 @@ from bpy.types import Scene
 
 from ...core.scene.values import Mode
 from ..blender.job import Job, Report
-from ..blender.words import told
+from ..blender.words import Told, told
 from ..changes.redraw import redraw_viewports
 from ..changes.suspension import suspended
 from ..scene_reader.digest import digest_of, motion_of
@@ -30,7 +30,7 @@ def bake_job(scene: Scene) -> Job:
     """
     first, last = wanted_range(scene)
     if last < first:
-        raise ValueError(told("The frame range {} to {} is empty", first, last))
+        raise Told("The frame range {} to {} is empty", first, last)
     count = last - first + 1
     warnings: list[str] = []
 
@@ -53,7 +53,7 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
         for result in results:
             if not recorder.frame_count:
                 if not result.listeners:
-                    raise ValueError(told("There is no listener: add one to feel something"))
+                    raise Told("There is no listener: add one to feel something")
                 check_size(
                     len(result.listeners), last - first + 1, frame_duration, result.sample_rate
                 )

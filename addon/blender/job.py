@@ -16,9 +16,7 @@ from bpy.types import Event as WindowEvent
 
 from .polling import permitted
 from .text import wrapped
-from .words import told
-
-_iface = bpy.app.translations.pgettext_iface
+from .words import said, told
 
 BUDGET = 0.1
 """Seconds of work between two rounds of events."""
@@ -89,10 +87,8 @@ class Job:
     def state(self) -> str:
         """Description of the current activity."""
         if self._writing is None:
-            return _iface("{}: {} of {}").format(
-                _iface(self.label), min(self.done, self.total), self.total
-            )
-        return _iface("Writing")
+            return said("{}: {} of {}", said(self.label), min(self.done, self.total), self.total)
+        return said("Writing")
 
     def advance(self, seconds: float) -> list[Report] | None:
         """Work for this many seconds, at least one step. Returns None if there is more to do.

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import ID
+
+from .words import Told
 
 
 def local_path(stored: str, owner: ID) -> Path:
@@ -15,10 +16,9 @@ def local_path(stored: str, owner: ID) -> Path:
     access; mounted drives are local."""
     full = bpy.path.abspath(stored, library=owner.library)
     if ("://" in full or full.startswith(("\\\\", "//"))) and not bpy.app.online_access:
-        raise ValueError(
-            iface_(
-                "{} is on another computer: allow online access in Blender's preferences, or "
-                "copy the file"
-            ).format(full)
+        raise Told(
+            "{} is on another computer: allow online access in Blender's preferences, or "
+            "copy the file",
+            full,
         )
     return Path(full)

@@ -7,7 +7,7 @@ from typing import Any
 
 from bpy.types import Context, Object, Operator
 
-from .words import told
+from .words import Told, told
 
 UNDO = {"REGISTER", "UNDO"}
 SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
@@ -75,11 +75,8 @@ def poll_active(cls: type[Operator], context: Context) -> bool:
     return permitted(cls, is_editable(obj), LINKED)
 
 
-class Refused(ValueError):
+class Refused(Told):
     """The reason for which an operator does nothing, reported as a warning, not as an error."""
-
-    def __init__(self, words: str, *values: object) -> None:
-        super().__init__(told(words, *values))
 
 
 class Action:
@@ -102,6 +99,14 @@ class Action:
         except (ValueError, OSError) as error:
             self.report({"WARNING" if isinstance(error, Refused) else "ERROR"}, str(error))
             return {"CANCELLED"}
+
+    def tell(self: Any, words: str, *values: object) -> None:
+        """Report what was done."""
+        self.report({"INFO"}, told(words, *values))
+
+    def warn(self: Any, words: str, *values: object) -> None:
+        """Report what was not done."""
+        self.report({"WARNING"}, told(words, *values))
 
 
 class Edit(Action):

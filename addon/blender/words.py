@@ -2,10 +2,29 @@
 
 from __future__ import annotations
 
-from bpy.app.translations import pgettext_rpt
+from bpy.app.translations import pgettext_iface, pgettext_rpt
+from bpy.types import UILayout
 
 
 def told(words: str, *values: object) -> str:
     """A report or the message of an error."""
     translated = pgettext_rpt(words)
     return translated.format(*values) if values else translated
+
+
+def said(words: str, *values: object) -> str:
+    """A text of the interface."""
+    translated = pgettext_iface(words)
+    return translated.format(*values) if values else translated
+
+
+class Told(ValueError):
+    """An error whose message is a text with gaps, and the values in these."""
+
+    def __init__(self, words: str, *values: object) -> None:
+        super().__init__(told(words, *values))
+
+
+def show(layout: UILayout, text: str, icon: str = "NONE") -> None:
+    """Draw a name, or a text that is already in the language of the interface."""
+    layout.label(text=text, icon=icon, translate=False)

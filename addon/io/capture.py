@@ -18,7 +18,7 @@ from ...core.formats.tracks.track_recorder import TrackRecorder
 from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import HapticScene
-from ..blender.words import told
+from ..blender.words import Told
 from ..properties.modalities import SHOWN
 from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
@@ -74,7 +74,7 @@ class Capture:
         an empty range.
         """
         if self.frames < 1:
-            raise ValueError(told("The frame range {} to {} is empty", self.start, self.end))
+            raise Told("The frame range {} to {} is empty", self.start, self.end)
         with closing(self._results()) as results:
             for result in results:
                 self.add(result)

@@ -11,7 +11,6 @@ from typing import Any
 
 import bpy
 import numpy as np
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Object, Scene
 
 from ...core.arrays import FloatArray
@@ -21,6 +20,7 @@ from ...core.signals.sound import Clip, Heard, block_count, heard, mixed
 from ..blender import compatibility
 from ..blender.single_precision import shortest
 from ..blender.time import frame_seconds, seconds_of
+from ..blender.words import Told, said
 from ..properties.sound import device_profiles, sound_path
 from ..scene_reader.imported import text_of
 
@@ -42,7 +42,7 @@ class DecodedSound:
         try:
             import aud
         except ImportError:
-            raise ValueError(iface_("this Blender is built without audio")) from None
+            raise Told("this Blender is built without audio") from None
         self._sound = aud.Sound.file(str(path))
         self._folder = folder
         self._name = name or path.name
@@ -83,7 +83,7 @@ class Conversion:
         try:
             yield from self._steps()
         except (OSError, ValueError) as error:
-            fault = bpy.data.objects[self._name].haptics.source.sound.fault = iface_(str(error))
+            fault = bpy.data.objects[self._name].haptics.source.sound.fault = said(str(error))
             raise ValueError(fault) from None
 
     def _steps(self) -> Generator[None, None, None]:
@@ -109,7 +109,7 @@ def _feel(sound: Any) -> Feel:
     if sound.carrier == "DEVICE":
         known = device_profiles().get(sound.device)
         if known is None:
-            raise ValueError(iface_("there is no device profile '{}'").format(sound.device))
+            raise Told("there is no device profile '{}'", sound.device)
         numbers["frequency"] = known.best_frequency
     low, high = sorted(map(shortest, sound.band))
     return Feel(pitch=sound.carrier == "PITCH", band=(low, high), **numbers)
@@ -132,7 +132,7 @@ def _waves(found: Heard, feel: Feel) -> str:
 
 def _of_file(scene: Scene, sound: Any) -> Iterator[Clip]:
     if not sound.filepath:
-        raise ValueError(iface_("choose a file first"))
+        raise Told("choose a file first")
     yield Clip(DecodedSound(sound_path(sound.id_data, sound.filepath)))
 
 
@@ -144,7 +144,7 @@ def _of_speaker(scene: Scene, sound: Any) -> Iterator[Clip]:
         or speaker.data.sound is None
         or speaker.data.muted
     ):
-        raise ValueError(iface_("choose a speaker first that has a sound and is not muted"))
+        raise Told("choose a speaker first that has a sound and is not muted")
     animation, data = speaker.animation_data, speaker.data
     tracks = [
         track for track in (animation.nla_tracks if animation is not None else ()) if not track.mute
@@ -171,15 +171,11 @@ def _of_sequencer(scene: Scene, sound: Any) -> Iterator[Clip]:
     ]
     chosen = [strip for strip in heard if sound.strip in ("", strip.name)]
     if not chosen:
-        raise ValueError(
-            iface_("there is no sound strip '{}' that is not muted").format(sound.strip or "*")
-        )
+        raise Told("there is no sound strip '{}' that is not muted", sound.strip or "*")
     for strip in chosen:
         if len(getattr(strip, "retiming_keys", ())):
-            raise ValueError(
-                iface_(
-                    "the strip '{}' is retimed: render the audio to a file and choose that"
-                ).format(strip.name)
+            raise Told(
+                "the strip '{}' is retimed: render the audio to a file and choose that", strip.name
             )
         first, last = compatibility.strip_ends(strip)
         begin = compatibility.strip_content_start(strip)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
+from ..blender.words import said
 from ..session import sessions
 from ..translations.sentences import sentence
 from . import handlers, outputs, player
@@ -28,5 +28,5 @@ def device_words(scene: Scene, listener: str) -> str:
     return (
         sentence(losses[0])
         if losses
-        else iface_("'{}' is muted: no actuator is chosen for it").format(listener)
+        else said("'{}' is muted: no actuator is chosen for it", listener)
     )

@@ -16,7 +16,6 @@ from ..authoring import materials
 from ..blender.compatibility import animated_paths
 from ..blender.polling import Edit, OnActive
 from ..blender.units import metres_per_unit
-from ..blender.words import told
 from ..properties.kinds import choice
 from ..scene_reader import triggers
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
@@ -202,14 +201,11 @@ class HAPTIC_OT_add_sample(Edit, Operator):
         started = time.perf_counter()
         scene = build_sample(self.sample)
         _frame(context, scene)
-        self.report(
-            {"INFO"},
-            told(
-                "{} built in {:.1f} seconds: press play. Your own scene is in the scene menu at the "
-                "top right",
-                scene.name,
-                time.perf_counter() - started,
-            ),
+        self.tell(
+            "{} built in {:.1f} seconds: press play. Your own scene is in the scene menu at the "
+            "top right",
+            scene.name,
+            time.perf_counter() - started,
         )
 
 

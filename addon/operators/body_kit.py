@@ -8,7 +8,7 @@ from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, Bo
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
-from ..blender.words import told
+from ..blender.words import Told
 from ..properties.kinds import choice
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from .materials import BODY_ITEMS
@@ -52,10 +52,8 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
             self._on_armature(context, armature, active, wanted)
             return
         if active.type not in SOLID_TYPES:
-            raise ValueError(
-                told(
-                    "'{}' has no surface: select the mesh or the armature of the body", active.name
-                )
+            raise Told(
+                "'{}' has no surface: select the mesh or the armature of the body", active.name
             )
         is_new = not body_kit.listeners_on(active)
         try:
@@ -69,7 +67,7 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
         self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]
     ) -> None:
         if not is_editable(armature):
-            raise ValueError(told(LINKED))
+            raise Told(LINKED)
         is_new = not body_kit.listeners_on(armature)
         try:
             missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
@@ -81,20 +79,16 @@ class HAPTIC_OT_add_default_listeners(OnActive, Operator):
             else next(iter(editable(body_kit.skins(armature))), None)
         )
         if body is None:
-            self.report(
-                {"WARNING"},
+            self.warn(
                 "This armature moves no mesh: choose its body in the panel Selected Object, else "
-                "nothing is felt",
+                "nothing is felt"
             )
         else:
             self._make_body(context, body, is_new)
             armature.haptics.body = body
         if missing:
             names = ", ".join(part.name.replace("_", " ") for part in missing)
-            self.report(
-                {"WARNING"},
-                told("The armature has no bones for these parts, which got no listener: {}", names),
-            )
+            self.warn("The armature has no bones for these parts, which got no listener: {}", names)
 
     def _make_body(self, context: Context, body: Object, is_new: bool) -> None:
         """Make a mesh haptic, of flesh unless its name tells another material. The flesh of a body
@@ -129,15 +123,13 @@ class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
         context.view_layer.update()
         sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
         if not sided:
-            raise ValueError(
-                told(
-                    "None of the selected objects is a listener of the left or right side: "
-                    "choose its body part"
-                )
+            raise Told(
+                "None of the selected objects is a listener of the left or right side: "
+                "choose its body part"
             )
         for listener in sided:
             body_kit.mirrored(listener)
-        self.report({"INFO"}, told("{} listeners mirrored", len(sided)))
+        self.tell("{} listeners mirrored", len(sided))
 
 
 def _side(obj: Object) -> str:

@@ -25,7 +25,7 @@ from ..blender.polling import (
     permitted,
     poll_object_mode,
 )
-from ..blender.words import told
+from ..blender.words import Told, said, show, told
 from ..properties.kinds import limited, switch, text
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
@@ -34,8 +34,6 @@ from ..view import levels
 
 if TYPE_CHECKING:
     from ...core.graph.haptic_graph import HapticGraph
-
-_iface = bpy.app.translations.pgettext_iface
 
 _ROUNDS = 4
 """Number of iterations, needed because limiters, ceilings and frequencies between band centres make
@@ -77,7 +75,7 @@ class HAPTIC_OT_make_felt(Edit, Operator):
         try:
             self.plans = self._planned(context)
         except ValueError as error:
-            self.report({"WARNING"}, str(error))
+            self.warn(str(error))
             return {"CANCELLED"}
         return context.window_manager.invoke_props_dialog(
             self, width=380, confirm_text=self.bl_label
@@ -104,7 +102,7 @@ class HAPTIC_OT_make_felt(Edit, Operator):
             for change in planned.changes:
                 _draw_row(
                     column,
-                    f"{_iface(_NAMES[change.kind])}: {change.name}",
+                    f"{said(_NAMES[change.kind])}: {change.name}",
                     f"{change.before:.3g}",
                     f"{change.after:.3g}",
                 )
@@ -178,10 +176,10 @@ _NAMES = {
 
 def _draw_row(layout: UILayout, name: str, before: str, after: str) -> None:
     split = layout.split(factor=0.65)
-    split.label(text=name, translate=False)
+    show(split, name)
     row = split.row()
     row.alignment = "RIGHT"
-    row.label(text=f"{before} \N{RIGHTWARDS ARROW} {after}", translate=False)
+    show(row, f"{before} \N{RIGHTWARDS ARROW} {after}")
 
 
 def _traced_now(context: Context) -> sessions.Traced:
@@ -311,18 +309,15 @@ class HAPTIC_OT_design_by_wish(Edit, Operator):
         """Report which wishes are not met."""
         left = [f"{name} {-rest:+.1f} dB" for name, rest in missing.items() if abs(rest) > _MISSED]
         if left:
-            self.report(
-                {"WARNING"},
-                told(
-                    "{} of {} wishes are met; off by: {}. Free more materials, widen their bounds, "
-                    "or change a source",
-                    len(missing) - len(left),
-                    len(missing),
-                    ", ".join(left),
-                ),
+            self.warn(
+                "{} of {} wishes are met; off by: {}. Free more materials, widen their bounds, "
+                "or change a source",
+                len(missing) - len(left),
+                len(missing),
+                ", ".join(left),
             )
         else:
-            self.report({"INFO"}, told("All {} wishes are met within a decibel", len(missing)))
+            self.tell("All {} wishes are met within a decibel", len(missing))
 
 
 def _made_of(traced: sessions.Traced, material: str) -> tuple[str, ...]:
@@ -379,7 +374,7 @@ class HAPTIC_OT_fit_material(Action, Operator):
         chosen = scene.haptics.materials.fit
         traced = _traced_now(context)
         if chosen.object is None or not is_editable(chosen.object):
-            raise ValueError(told(LINKED))
+            raise Told(LINKED)
         read = recordings.read_recordings(
             *(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file))
         )
@@ -397,7 +392,7 @@ def _steps(
     yield from read.steps()
     chosen = scene.haptics.materials.fit
     if chosen.object is None or chosen.source is None or chosen.listener is None:
-        raise ValueError(told(_CHOOSE))
+        raise Told(_CHOOSE)
     item = scene.haptics.materials.items.get(chosen.object.haptics.material.name)
     names = [
         o.name for o in graph.table.objects if item is not None and o.material == item.name

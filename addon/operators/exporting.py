@@ -18,14 +18,12 @@ from ..blender import job
 from ..blender.polling import Action
 from ..blender.single_precision import shortest
 from ..blender.text import wrapped
-from ..blender.words import told
+from ..blender.words import Told, said, told
 from ..io import capture, engine, frame_scene, last_export
 from ..properties.kinds import FRAMES, choice, limited, switch, text, whole
 
 if TYPE_CHECKING:
     from ...core.formats.export import Export
-
-_iface = bpy.app.translations.pgettext_iface
 
 TRACK_FORMATS = tuple(name for name in FORMATS if name != "scene")
 TRACK_ENDINGS = tuple(named(name).suffix for name in TRACK_FORMATS)
@@ -62,7 +60,7 @@ class RangeExport(Action, ExportHelper):
             return None
         collection = bpy.data.collections.get(self.collection)
         if collection is None:
-            raise ValueError(told("There is no collection '{}'", self.collection))
+            raise Told("There is no collection '{}'", self.collection)
         return {obj.name_full for obj in collection.all_objects}
 
     def captured(
@@ -316,7 +314,7 @@ class HAPTIC_OT_export_engine(Operator, RangeExport):
     def apply(self, context: Context) -> set[str]:
         path = Path(bpy.path.abspath(self.filepath.removesuffix(".glb")))
         if not path.parent.is_dir():
-            raise ValueError(told("There is no folder {}", path.parent))
+            raise Told("There is no folder {}", path.parent)
         work = engine.EngineExport(
             context.scene, self.frame_start, self.frame_end, path, self.packed
         )
@@ -339,7 +337,7 @@ class HAPTIC_OT_copy_methods(Action, Operator):
 
     def apply(self, context: Context) -> None:
         context.window_manager.clipboard = methods(context)
-        self.report({"INFO"}, told("Copied"))
+        self.tell("Copied")
 
 
 def methods(context: Context) -> str:
@@ -356,8 +354,8 @@ def track_writer(
 
     def write(export: Export, running: job.Job) -> list[job.Report]:
         def consent(poor: registry.Written) -> bool:
-            question = _iface("The new files keep little of the vibration. Replace {}?").format(
-                shown(poor.files)
+            question = said(
+                "The new files keep little of the vibration. Replace {}?", shown(poor.files)
             )
             return running.ask((question, *registry.sentences(poor.fidelity)))
 

@@ -12,7 +12,7 @@ from bpy.types import Context, Event, Object, Operator
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
 from ..blender.polling import SOLID_TYPES, Edit, OnActive
-from ..blender.words import told
+from ..blender.words import Told
 from ..io import scene_builder, vibration_signal
 from ..properties.kinds import switch, whole
 from ..properties.sound import SOUNDS, sound_path
@@ -52,13 +52,10 @@ class HAPTIC_OT_import_scene(_FromFile, Operator):
         export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
         losses = scene_builder.build(export, context.scene, self.use_settings)
         if export.unknown:
-            self.report(
-                {"WARNING"},
-                told("Of a newer version; not read: {}", ", ".join(export.unknown)),
-            )
+            self.warn("Of a newer version; not read: {}", ", ".join(export.unknown))
         for loss in losses[:MOST_REPORTED]:
-            self.report({"WARNING"}, loss)
-        self.report({"INFO"}, told("Haptic scene imported: {}", Path(self.filepath).name))
+            self.warn(loss)
+        self.tell("Haptic scene imported: {}", Path(self.filepath).name)
 
 
 class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
@@ -82,18 +79,13 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
         source.imported = imported.text_of(signal=signal.to_dict())
         source.signal = "KEPT"
         for loss in reading.losses[:MOST_REPORTED]:
-            self.report({"WARNING"}, loss)
-        self.report(
-            {"INFO"},
-            told(
-                "'{}' emits {}"
-                if len(reading.channels) == 1
-                else "'{}' emits {}, channel {} of {}",
-                obj.name,
-                channel.name,
-                self.channel,
-                len(reading.channels),
-            ),
+            self.warn(loss)
+        self.tell(
+            "'{}' emits {}" if len(reading.channels) == 1 else "'{}' emits {}, channel {} of {}",
+            obj.name,
+            channel.name,
+            self.channel,
+            len(reading.channels),
         )
 
 
@@ -122,6 +114,6 @@ def _let_shake(obj: Object) -> None:
     if haptic_carrier(obj) is None:
         if obj.type not in SOLID_TYPES:
             words = "'{}' has no surface: parent it to a haptic object, so that it has something to shake"
-            raise ValueError(told(words, obj.name))
+            raise Told(words, obj.name)
         obj.haptics.enabled = True
     obj.haptics.source.enabled = True

@@ -85,7 +85,7 @@ class HAPTIC_OT_copy_udev_rule(Action, Operator):
         if found is None or not found.rule:
             raise Refused("This device needs no rule")
         context.window_manager.clipboard = found.rule
-        self.report({"INFO"}, told("Copied"))
+        self.tell("Copied")
 
 
 def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, str, str, int]]:
@@ -209,18 +209,14 @@ class HAPTIC_OT_panic(Action, Operator):
         silent = ", ".join(title for title, fault in devices if not fault)
         faults = "; ".join(f"{title} ({fault})" for title, fault in devices if fault)
         if faults:
-            self.report(
-                {"WARNING"},
-                told(
-                    "Unplug or switch off what still vibrates: {}. Off: {}", faults, silent or "-"
-                ),
+            self.warn(
+                "Unplug or switch off what still vibrates: {}. Off: {}", faults, silent or "-"
             )
         else:
-            self.report(
-                {"INFO"},
+            self.tell(
                 " ".join(
                     filter(
                         None, [told("All haptic output is off"), f"({silent})" if silent else ""]
                     )
-                ),
+                )
             )

@@ -19,7 +19,7 @@ from ..blender.polling import (
     poll_object_mode,
 )
 from ..blender.progress import progress
-from ..blender.words import told
+from ..blender.words import Told, show
 from ..properties.kinds import choice, switch, text
 from ..properties.materials import PRESET_ITEMS, TARGET_ITEMS, add_material, made_of, own_values
 from ..scene_reader.instances import with_instanced
@@ -92,15 +92,13 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
         chosen = library.targets(context, self.target)
         objects = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not objects:
-            raise ValueError(
-                told(
-                    "No object with a surface among them; select meshes that are not linked from "
-                    "a library"
-                )
+            raise Told(
+                "No object with a surface among them; select meshes that are not linked from "
+                "a library"
             )
         items = context.scene.haptics.materials.items
         if self.name and self.name not in items:
-            raise ValueError(told("This material is not in the scene's library any more"))
+            raise Told("This material is not in the scene's library any more")
         item = (
             items[self.name]
             if self.name
@@ -109,10 +107,7 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
         library.apply(objects, item)
         linked = len(chosen) - len(editable(chosen))
         if linked:
-            self.report(
-                {"WARNING"},
-                told("{} linked objects can't be changed; override them first", linked),
-            )
+            self.warn("{} linked objects can't be changed; override them first", linked)
 
 
 class HAPTIC_OT_guess_material(OnSelected, Operator):
@@ -124,13 +119,10 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
         chosen = with_instanced(context.selected_objects)
         objects = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         known = library.apply_guesses(context.scene, objects)
-        self.report(
-            {"INFO"},
-            told(
-                "{} of {} objects have a name, shape or mass that tells their material",
-                known,
-                len(objects),
-            ),
+        self.tell(
+            "{} of {} objects have a name, shape or mass that tells their material",
+            known,
+            len(objects),
         )
         return {"FINISHED"} if known else {"CANCELLED"}
 
@@ -151,7 +143,7 @@ class HAPTIC_OT_match_materials(OnSelected, Operator):
         for name in wanted[:_MOST_ROWS]:
             if name in rows:
                 split = column.split(factor=0.5)
-                split.label(text=name, translate=False)
+                show(split, name)
                 split.prop(rows[name], "preset", text="")
 
     def apply(self, context: Context) -> None:
@@ -159,13 +151,10 @@ class HAPTIC_OT_match_materials(OnSelected, Operator):
         chosen = [obj for obj in editable(shown) if obj.haptics.enabled]
         library.list_names(context.scene, shown)
         known = library.apply_guesses(context.scene, chosen)
-        self.report(
-            {"INFO"},
-            told(
-                "{} of {} objects have a name, shape or mass that tells their material",
-                known,
-                len(chosen),
-            ),
+        self.tell(
+            "{} of {} objects have a name, shape or mass that tells their material",
+            known,
+            len(chosen),
         )
 
 
@@ -195,9 +184,7 @@ class HAPTIC_OT_set_model(Edit, Operator):
             if scene.haptics.strategy == "as_in_the_paper":
                 scene.haptics.strategy = "auto"
             known = library.use_physical(scene, objects, self.in_a_building)
-        self.report(
-            {"INFO"}, told("{} of {} haptic objects are made of a preset", known, len(objects))
-        )
+        self.tell("{} of {} haptic objects are made of a preset", known, len(objects))
 
 
 class HAPTIC_OT_set_bodies(Edit, Operator):
@@ -214,10 +201,8 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
     def apply(self, context: Context) -> None:
         shown = editable(with_instanced(context.scene.objects))
         if not library.set_bodies((obj for obj in shown if obj.haptics.enabled), self.body):
-            raise ValueError(
-                told(
-                    "No haptic object is made of flesh: select a body and press Add Body Listeners"
-                )
+            raise Told(
+                "No haptic object is made of flesh: select a body and press Add Body Listeners"
             )
 
 

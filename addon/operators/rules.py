@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Operator
 
 from ...core.scene.materials import texture_in
@@ -66,12 +65,9 @@ class HAPTIC_OT_add_textures(Edit, Operator):
         } - named
         textures = {name: texture for name in sorted(made_of) if (texture := texture_in(name))}
         if not textures:
-            self.report(
-                {"INFO"},
-                iface_(
-                    "Nothing else is made of a material with a texture; choose materials first, "
-                    "or add a rule"
-                ),
+            self.tell(
+                "Nothing else is made of a material with a texture; choose materials first, "
+                "or add a rule"
             )
             return {"CANCELLED"}
         for name in sorted(

@@ -166,4 +166,4 @@ class HAPTIC_OT_save_signal(OnActive, Operator):
 
     def apply(self, context: Context) -> None:
         path = signal_library.save(self.name, drawings.signal_of(context.object, context.scene))
-        self.report({"INFO"}, told("Saved: {}", path))
+        self.tell("Saved: {}", path)

@@ -23,7 +23,7 @@ from ..blender.polling import (
 )
 from ..blender.progress import progress
 from ..blender.units import metres_per_unit
-from ..blender.words import told
+from ..blender.words import Told, told
 from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch, text
 from ..properties.signal_kinds import PLAIN
@@ -71,12 +71,10 @@ class HAPTIC_OT_make_objects(OnSelected, Operator):
         if not solid:
             instancer = next((obj for obj in editable(chosen) if obj.instance_collection), None)
             if instancer is not None:
-                raise ValueError(
-                    told(
-                        "'{}' shows a collection that is linked from a library or has no surface: "
-                        "press Realize Instances, then make the objects haptic",
-                        instancer.name,
-                    )
+                raise Told(
+                    "'{}' shows a collection that is linked from a library or has no surface: "
+                    "press Realize Instances, then make the objects haptic",
+                    instancer.name,
                 )
             message = (
                 "None of the selected objects has a surface that can touch others; select "
@@ -93,10 +91,10 @@ class HAPTIC_OT_make_objects(OnSelected, Operator):
         if unknown:
             more = " " + told("and {} more", len(unknown) - 1) if len(unknown) > 1 else ""
             words = "Made haptic: {}. Of unknown material: {}; choose it in Selected Object"
-            self.report({"INFO"}, told(words, len(solid), unknown[0] + more))
+            self.tell(words, len(solid), unknown[0] + more)
         else:
             words = "Objects made haptic: {}, with a guessed material: {}"
-            self.report({"INFO"}, told(words, len(solid), known))
+            self.tell(words, len(solid), known)
 
 
 class HAPTIC_OT_make_object(OnActive, Operator):
@@ -263,11 +261,9 @@ class HAPTIC_OT_realize_instances(OnSelected, Operator):
     def apply(self, context: Context) -> None:
         instancers = [obj for obj in context.selected_objects if obj.instance_type != "NONE"]
         if not instancers:
-            raise ValueError(
-                told(
-                    "None of the selected objects shows instances of a collection. For those of "
-                    "geometry nodes, add the node Realize Instances"
-                )
+            raise Told(
+                "None of the selected objects shows instances of a collection. For those of "
+                "geometry nodes, add the node Realize Instances"
             )
         with context.temp_override(
             selected_objects=instancers, selected_editable_objects=instancers

@@ -10,7 +10,6 @@ from bpy.types import Context, Operator
 
 from ...core.scene.values import MODES
 from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
-from ..blender.words import told
 from ..changes.redraw import redraw_viewports
 from ..properties.kinds import choice, number, switch
 from ..scene_reader.problem import why_untraced
@@ -48,7 +47,7 @@ class HAPTIC_OT_toggle_tracing(Action, Operator):
     def apply(self, context: Context) -> None:
         haptics = context.scene.haptics
         haptics.tracing = not haptics.tracing
-        self.report({"INFO"}, "Tracing is on" if haptics.tracing else "Tracing is off")
+        self.tell("Tracing is on" if haptics.tracing else "Tracing is off")
         redraw_viewports()
 
 
@@ -147,7 +146,4 @@ class HAPTIC_OT_graph_to_geometry(Edit, Operator):
         graph, collection = graph_mesh.graph_in_collection(
             context.scene, result, self.thickness, **options
         )
-        self.report(
-            {"INFO"},
-            told("{:,} vertices in collection '{}'", len(graph.data.vertices), collection.name),
-        )
+        self.tell("{:,} vertices in collection '{}'", len(graph.data.vertices), collection.name)

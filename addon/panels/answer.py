@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene, UILayout
 
 from ...core.message import Chain, written
 from ..bake import playback, storage
 from ..blender.time import is_playing
+from ..blender.words import said, show
 from ..live_output import handlers, unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
@@ -84,7 +84,7 @@ def _watched_level(scene: Scene) -> levels.Level | None:
 def _first_words(why: explanation.Explanation) -> str:
     """The first reason for silence."""
     if not why.is_current:
-        return iface_("Looking for reasons...")
+        return said("Looking for reasons...")
     return sentence(why.reasons[0]) if why.reasons else why.notice
 
 
@@ -94,14 +94,12 @@ def _draw_level(layout: UILayout, level: levels.Level) -> None:
     name = fitted(level.listener, 0.5, icon=True)
     select_button(split, level.listener, name, icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
     text = levels.decibels(level.rms)
-    split.progress(
-        factor=level.place, text=text if level.is_silent else iface_("Level {}").format(text)
-    )
-    words = iface_("Felt: margin {}" if level.is_felt else "Too weak: margin {}")
-    layout.label(
-        text=iface_("Feels nothing") if level.is_silent else words.format(level.margin_and_basis()),
-        icon="CHECKMARK" if level.is_felt else "ERROR",
-        translate=False,
+    split.progress(factor=level.place, text=text if level.is_silent else said("Level {}", text))
+    words = said("Felt: margin {}" if level.is_felt else "Too weak: margin {}")
+    show(
+        layout,
+        said("Feels nothing") if level.is_silent else words.format(level.margin_and_basis()),
+        "CHECKMARK" if level.is_felt else "ERROR",
     )
 
 
@@ -113,11 +111,11 @@ def _draw_origin(layout: UILayout, path: Waterfall) -> int:
     select_button(
         split, name, source_title(path.source, _NAMES), icon="OUTLINER_OB_FORCE_FIELD", emboss=False
     )
-    split.label(text=iface_("Gain {}").format(levels.decibels(path.gain)), translate=False)
+    show(split, said("Gain {}", levels.decibels(path.gain)))
     if not path.hops:
         return 1
     chain = written(Chain(hop.object for hop in path.hops))
-    return 1 + draw_lines(layout, iface_("Through {}").format(chain), most=_LINES - 3)
+    return 1 + draw_lines(layout, said("Through {}", chain), most=_LINES - 3)
 
 
 def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
@@ -129,15 +127,15 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
         row.label(text="Tracing is switched off", icon="ERROR")
         row.operator("haptic.toggle_tracing", text="", icon="HIDE_OFF")
     elif seconds > 0 and not is_playing():
-        words = iface_("Tracing for {:.0f} s...") if seconds >= 1 else iface_("Tracing...")
-        row.label(text=words.format(seconds), icon="SORTTIME", translate=False)
+        words = said("Tracing for {:.0f} s...") if seconds >= 1 else said("Tracing...")
+        show(row, words.format(seconds), "SORTTIME")
         row.operator("haptic.cancel_tracing", text="", icon="X")
     elif storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
         split = row.split(factor=_NOTICE, align=True)
         split.label(text="Baked, out of date", icon="ERROR")
         split.operator("haptic.bake", text="Bake Again")
     elif problems:
-        words = "1 problem" if len(problems) == 1 else iface_("{} problems").format(len(problems))
+        words = "1 problem" if len(problems) == 1 else said("{} problems", len(problems))
         row.label(text=words, icon="ERROR")
         if problems[0].object:
             name = problems[0].object
@@ -146,22 +144,22 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
         row.label(text="Heard, too: see the speaker below", icon="SPEAKER")
     elif sessions.shown(scene) is not None and air_contacts.contacts_in_air(scene) > 0:
         count = air_contacts.contacts_in_air(scene)
-        row.label(text=iface_("Through air: {}").format(count), icon="INFO", translate=False)
+        show(row, said("Through air: {}", count), "INFO")
         row.operator(
             "haptic.use_real_surface", text="Use Real Surface", icon="MESH_DATA"
         ).all = True
     elif (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
-        words = iface_("{:,} instances move: {:.0f} ms a frame").format(*moving)
-        row.label(text=words, icon="INFO", translate=False)
+        words = said("{:,} instances move: {:.0f} ms a frame", *moving)
+        show(row, words, "INFO")
         row.operator("haptic.realize_instances", text="", icon="OUTLINER_OB_GROUP_INSTANCE")
     elif (units := of_units(scene)) is not None:
-        row.label(text=units.words, icon="INFO", translate=False)
+        show(row, units.words, "INFO")
         for operator, icon in units.operators:
             row.operator(operator, text="", icon=icon)
     elif (doubt := doubtful_scale.doubt(scene)) is not None:
         word, size = doubt
-        words = iface_("'{}' of {:.0f} m") if word else iface_("{1:,} objects, no contact")
-        row.label(text=words.format(word, size), icon="QUESTION", translate=False)
+        words = said("'{}' of {:.0f} m") if word else said("{1:,} objects, no contact")
+        show(row, words.format(word, size), "QUESTION")
         row.prop(scene.unit_settings, "scale_length")
     else:
         return False
@@ -184,7 +182,7 @@ def draw_why(layout: UILayout, context: Context) -> None:
     level = _watched_level(scene)
     path = paths.path_of(scene)
     if level is None:
-        used = draw_lines(column, iface_("No listener: add one to feel something"))
+        used = draw_lines(column, said("No listener: add one to feel something"))
     elif path is None or path.value is None or level.is_silent:
         used = _draw_reasons(column, context, explanation.why_silent(scene, name))
     else:
@@ -214,14 +212,14 @@ def _draw_path(layout: UILayout, context: Context, path: paths.ListenerPath) -> 
     and its distance. Returns the number of lines."""
     meters = context.scene.haptics.meters
     row = layout.row(align=True)
-    row.label(text=source_title(path.fall.source, 0.8), translate=False)
+    show(row, source_title(path.fall.source, 0.8))
     row.prop(meters, "sort_path", text="", icon="SORTSIZE")
     rows = paths.rows(path, meters.sort_path)
     surplus = len(rows) + 1 - _WHY_LINES
     last = sum(row.is_object for row in rows)
     if surplus > 0:
         cut = rows[last - surplus : last + 1]
-        more = iface_("and {} more").format(len(cut))
+        more = said("and {} more", len(cut))
         rows[last - surplus : last + 1] = [paths.PathRow(more, sum(row.decibels for row in cut))]
     active = context.object.name_full if context.object is not None else ""
     for item in rows:

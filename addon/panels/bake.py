@@ -10,10 +10,10 @@ from bpy.types import Context, Panel, Scene, UILayout
 
 from ..bake import playback, storage, takes
 from ..blender import job
-from ..blender.text import wrapped
+from ..blender.words import said, show
 from ..view import levels
 from .drawing import ScenePanel, draw_each, draw_pair, settings_layout
-from .texts import fitted
+from .texts import draw_lines, draw_sentence, fitted
 
 if TYPE_CHECKING:
     from ..bake.track import HapticTrack
@@ -50,21 +50,19 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
     """Draw the baked track, whether the scene has changed since, and its options."""
     bake = scene.haptics.bake
     if track is None:
-        for line in wrapped(storage.trouble(scene)):
-            layout.label(text=line, icon="ERROR")
+        draw_sentence(layout, storage.trouble(scene), "ERROR")
         return
     box = layout.box()
     reasons = playback.known_stale_reasons(scene) or ()
-    baked = iface_("Frames {} to {} are baked").format(track.frame_start, track.frame_end)
-    words = iface_("The scene has changed since") if reasons else baked
-    box.label(text=words, icon="ERROR" if reasons else "CHECKMARK", translate=False)
+    baked = said("Frames {} to {} are baked", track.frame_start, track.frame_end)
+    words = said("The scene has changed since") if reasons else baked
+    show(box, words, "ERROR" if reasons else "CHECKMARK")
     column = box.column(align=True)
     for reason in reasons:
-        for line in wrapped(reason):
-            column.label(text=line, translate=False)
+        draw_lines(column, reason)
     count = len(track.listeners)
-    length = iface_("{:.1f} s, 1 listener") if count == 1 else iface_("{:.1f} s, {} listeners")
-    box.label(text=length.format(track.duration, count), translate=False)
+    length = said("{:.1f} s, 1 listener") if count == 1 else said("{:.1f} s, {} listeners")
+    show(box, length.format(track.duration, count))
     box.prop(bake, "use_track")
     layout.operator("haptic.delete_bake", icon="TRASH")
 
@@ -82,7 +80,7 @@ def _draw_takes(layout: UILayout, scene: Scene) -> None:
     other = next((i for i, take in enumerate(bake.takes) if take.track == bake.compared), None)
     if other is not None and bake.compared != bake.track:
         name = bake.takes[other].name
-        words = iface_("Switch to {}").format(name)
+        words = said("Switch to {}", name)
         layout.operator(
             "haptic.play_take", text=words, icon="ARROW_LEFTRIGHT", translate=False
         ).index = other
@@ -100,7 +98,7 @@ def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
     draw_pair(
         column,
         iface_("Level", "Haptics"),
-        iface_("compared with {}").format(fitted(other, 0.3)),
+        said("compared with {}", fitted(other, 0.3)),
         0.35,
     )
     for item in latest.value:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, UILayout
 
 from ..blender.documentation import page_url
+from ..blender.words import said, show
 from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
@@ -118,7 +118,7 @@ def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
     if carrier is None:
         warn(layout, "Not on a haptic object:", "make it haptic or parent it to one")
     elif carrier != obj:
-        layout.label(text=f"{iface_(verb)} {carrier.name}", icon="LINKED", translate=False)
+        show(layout, f"{said(verb)} {carrier.name}", "LINKED")
 
 
 def draw_pair(layout: UILayout, name: str, value: str, share: float = 0.6) -> None:
@@ -130,12 +130,18 @@ def draw_pair(layout: UILayout, name: str, value: str, share: float = 0.6) -> No
     row.label(text=value)
 
 
+def draw_more(layout: UILayout, count: int) -> None:
+    """Draw how many items are not shown."""
+    if count > 0:
+        show(layout, said("and {} more", count))
+
+
 def warn(layout: UILayout, *sentences: str) -> None:
     """Draw a warning, each of its parts from a new line on."""
     column = layout.column(align=True)
-    found = [line for text in sentences for line in lines(iface_(text), content_width() - ICON)]
+    found = [line for text in sentences for line in lines(said(text), content_width() - ICON)]
     for number, line in enumerate(found):
-        column.label(text=line, icon="ERROR" if number == 0 else "BLANK1", translate=False)
+        show(column, line, "ERROR" if number == 0 else "BLANK1")
 
 
 def draw_problems(layout: UILayout, context: Context) -> None:
@@ -145,7 +151,7 @@ def draw_problems(layout: UILayout, context: Context) -> None:
         return
     box = layout.box()
     box.label(
-        text="1 problem" if len(problems) == 1 else iface_("{} problems").format(len(problems)),
+        text="1 problem" if len(problems) == 1 else said("{} problems", len(problems)),
         icon="ERROR",
     )
     for problem in problems[:_SHOWN_PROBLEMS]:

@@ -3,14 +3,14 @@ dropped into the viewport."""
 
 from __future__ import annotations
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, FileHandler, Menu, Panel, UILayout
 
 from ...core.formats.io.catalogue import FORMATS, READERS
 from ..blender import job
+from ..blender.words import said, show
 from ..io import last_export
 from ..properties.sound import SOUNDS
-from .drawing import ScenePanel
+from .drawing import ScenePanel, draw_more
 
 MOST_SHOWN, MOST_TIMES = 12, 4
 """Listeners, and onsets of a listener, that are shown."""
@@ -37,26 +37,22 @@ def _draw_losses(layout: UILayout) -> None:
     if done is None or done.fidelity is None:
         return
     column = layout.box().column(align=True)
-    column.label(text=iface_("Lost in {}").format(done.files[0].name), translate=False)
+    show(column, said("Lost in {}", done.files[0].name))
     for listener in done.fidelity.listeners[:MOST_SHOWN]:
         row = column.row()
         row.alert = abs(listener.level) > POOR or bool(listener.missing or listener.invented)
-        row.label(text=listener.name, translate=False)
-        row.label(text=f"{listener.level:+z.1f} dB", translate=False)
+        show(row, listener.name)
+        show(row, f"{listener.level:+z.1f} dB")
         for text, times in (
-            (iface_("Missing onsets: {}"), listener.missing),
-            (iface_("Invented onsets: {}"), listener.invented),
+            (said("Missing onsets: {}"), listener.missing),
+            (said("Invented onsets: {}"), listener.invented),
         ):
             if times:
-                column.label(text=text.format(len(times)), icon="ERROR", translate=False)
+                show(column, text.format(len(times)), "ERROR")
                 shown = ", ".join(f"{time:.2f}" for time in times[:MOST_TIMES])
                 more = " …" if times[MOST_TIMES:] else ""
-                column.label(text=f"{shown} s{more}", icon="BLANK1", translate=False)
-    if len(done.fidelity.listeners) > MOST_SHOWN:
-        column.label(
-            text=iface_("and {} more").format(len(done.fidelity.listeners) - MOST_SHOWN),
-            translate=False,
-        )
+                show(column, f"{shown} s{more}", "BLANK1")
+    draw_more(column, len(done.fidelity.listeners) - MOST_SHOWN)
 
 
 class HAPTIC_FH_scene(FileHandler):
@@ -106,7 +102,7 @@ def draw_export(self: Menu, context: Context) -> None:
     self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
     self.layout.operator("export_scene.haptic_engine", text="Haptics for an Engine (.glb)")
     endings = "/".join(form.suffix for form in FORMATS.values() if form.name != "scene")
-    _draw_entry(self.layout, "export_scene.haptic_tracks", iface_("Haptic Tracks"), endings)
+    _draw_entry(self.layout, "export_scene.haptic_tracks", said("Haptic Tracks"), endings)
 
 
 def draw_import(self: Menu, context: Context) -> None:
@@ -115,10 +111,10 @@ def draw_import(self: Menu, context: Context) -> None:
     _draw_entry(
         self.layout,
         "haptic.import_signal",
-        iface_("Haptic Signal for the Active Object"),
+        said("Haptic Signal for the Active Object"),
         "/".join(READERS),
     )
-    title = iface_("Sound for the Active Object")
+    title = said("Sound for the Active Object")
     _draw_entry(self.layout, "haptic.import_sound", title, "/".join(SOUNDS))
 
 

@@ -9,10 +9,10 @@ import blf
 from bpy.types import UILayout
 
 from ...core.scene import functions
-from ..blender.text import wrapped
+from ..blender.words import show
 from ..translations.sentences import sentence
 from .drawing import draw_held
-from .texts import font_size, ui_scale
+from .texts import draw_lines, font_size, ui_scale
 
 
 @lru_cache(maxsize=256)
@@ -60,14 +60,9 @@ def draw_finding(
     column.alert = not finding.usable
     if finding.column is not None:
         shown, place = functions.excerpt(source, finding.column)
-        column.label(text=shown, translate=False)
-        column.label(text=" " * spaces_under(shown, place) + "^", translate=False)
-    for number, line in enumerate(wrapped(sentence(finding.message), 34)):
-        column.label(
-            text=line,
-            icon=("INFO" if finding.usable else "ERROR") if number == 0 else "BLANK1",
-            translate=False,
-        )
+        show(column, shown)
+        show(column, " " * spaces_under(shown, place) + "^")
+    draw_lines(column, sentence(finding.message), "INFO" if finding.usable else "ERROR")
     return finding
 
 

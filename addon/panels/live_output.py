@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import AddonPreferences, Context, Panel, Scene, UILayout
 
 from ...core.devices import connection, mapping
 from ...core.render import limiter
-from ..blender.text import wrapped
 from ..blender.time import frame_seconds
+from ..blender.words import said, show
 from ..live_output import handlers, outputs, player
 from ..properties.preferences import preferences
 from ..session import sessions
 from ..translations.sentences import sentence
 from .drawing import ScenePanel, draw_each, draw_pair
+from .texts import draw_sentence
 
 if TYPE_CHECKING:
     from ...core.devices.status import Status
@@ -59,15 +59,15 @@ def _draw_actuators(layout: UILayout, scene: Scene) -> None:
     for row_number, listener in enumerate(traced.result.listeners):
         column = layout.column(align=True)
         row = column.split(factor=0.45)
-        row.label(text=listener.name, translate=False)
-        text = ", ".join(_actuators_of(mapped, row_number)) or iface_("none")
-        text = text if listener.name in choices else iface_("Auto: {}").format(text)
+        show(row, listener.name)
+        text = ", ".join(_actuators_of(mapped, row_number)) or said("none")
+        text = text if listener.name in choices else said("Auto: {}", text)
         row.operator_menu_enum(
             "haptic.choose_actuator", "place", text=text, translate=False
         ).listener = listener.name
         for loss in mapped.losses:
             if loss.listener == listener.name and outputs.running():
-                _draw_text(column, sentence(loss.message))
+                draw_sentence(column, sentence(loss.message))
 
 
 def _actuators_of(mapped: mapping.ListenerMapping, row: int) -> list[str]:
@@ -101,17 +101,17 @@ def _draw_devices(layout: UILayout, scene: Scene) -> None:
             continue
         box = _draw_title(layout, found.title, found.kind)
         if found.rule:
-            _draw_text(box, "You may not use it yet. Copy the rule into", icon="ERROR")
+            draw_sentence(box, said("You may not use it yet. Copy the rule into"), "ERROR")
             box.label(text=connection.UDEV_FILE)
-            _draw_text(box, "and plug the device in again")
+            draw_sentence(box, said("and plug the device in again"))
             box.operator("haptic.copy_udev_rule", icon="COPYDOWN").device = found.key
         elif found.permission:
-            _draw_text(box, found.permission, icon="ERROR")
+            draw_sentence(box, found.permission, "ERROR")
         box.operator("haptic.connect_device", icon="LINKED").device = found.key
     for name in inventory.strangers:
         layout.label(text=f"{name} is not supported", icon="QUESTION")
     for problem in inventory.problems:
-        _draw_text(layout, problem, icon="ERROR")
+        draw_sentence(layout, problem, "ERROR")
     if not inventory.devices and not inventory.strangers:
         layout.label(text="No haptic device is connected", icon="INFO")
 
@@ -134,11 +134,11 @@ def _draw_status(
     }[status.state]
     column.label(text=state, icon="CHECKMARK" if status.state == "open" else "ERROR")
     if status.message:
-        _draw_text(column, status.message)
+        draw_sentence(column, status.message)
     if status.state == "failed":
-        _draw_text(column, "Disconnect it and connect it again")
+        draw_sentence(column, said("Disconnect it and connect it again"))
     if status.writing_for > _BLOCKED:
-        _draw_text(column, f"A write has been blocked for {status.writing_for:.1f} s")
+        draw_sentence(column, said("A write has been blocked for {:.1f} s", status.writing_for))
     draw_pair(column, "Reports written", f"{status.written}")
     draw_pair(column, "Failed, lost", f"{status.failed_writes}, {status.losses}")
     lag = lag_of_picture(status, frame_seconds, rendering_seconds)
@@ -167,10 +167,3 @@ def limiter_seconds(scene: Scene) -> float:
         if traced is not None and any(listener.limiter for listener in traced.result.listeners)
         else 0.0
     )
-
-
-def _draw_text(layout: UILayout, text: str, icon: str = "NONE") -> None:
-    column = layout.column(align=True)
-    column.scale_y = 0.8
-    for number, line in enumerate(wrapped(text)):
-        column.label(text=line, icon=icon if number == 0 else "NONE")

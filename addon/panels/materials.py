@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Menu, Panel, UILayout, UIList
 
 from ...core.scene.bands import BAND_CENTRES
@@ -12,6 +11,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender import job
+from ..blender.words import said, show
 from ..view import levels, watched
 from .drawing import ScenePanel, draw_each, draw_held, draw_pair, settings_layout
 from .texts import draw_sentence, fitted
@@ -129,7 +129,7 @@ class HAPTIC_PT_wishes(ScenePanel, Panel):
                 side = row.row()
                 side.active = obj.haptics.listener.use_wish
                 side.prop(obj.haptics.listener, "wish", text="")
-                row.label(text=levels.decibels(level.rms), translate=False)
+                show(row, levels.decibels(level.rms))
         column = layout.column(align=True)
         items = context.scene.haptics.materials.items
         column.label(text="Free materials" if items else "Add materials with +")
@@ -176,7 +176,7 @@ def _draw_fit(layout: UILayout, fit: Any) -> None:
     and undetermined parameters."""
     damping, damping_error, gain, gain_error, before, after = fit.values
     column = layout.column(align=True)
-    column.label(text=fitted(fit.fitted, icon=True), icon="MATERIAL", translate=False)
+    show(column, fitted(fit.fitted, icon=True), "MATERIAL")
     draw_pair(column, "Loss / material's own", f"{damping:.2f} ± {damping_error:.2f}")
     if fit.is_calibrated and fit.first and fit.second:
         draw_pair(column, "Gain of the contact", f"{gain:.2f} ± {gain_error:.2f}")
@@ -184,13 +184,10 @@ def _draw_fit(layout: UILayout, fit: Any) -> None:
     draw_pair(column, "Error now", f"{after:.1f} dB")
     grid = layout.grid_flow(row_major=True, columns=5, even_columns=True, align=True)
     for title in ("Hz", "Rec. dB", "Before", "Now", "Coh."):
-        grid.label(text=iface_(title), translate=False)
+        show(grid, said(title))
     for number, centre in enumerate(BAND_CENTRES):
         row = fit.bands[4 * number : 4 * number + 4]
         for text in (f"{centre:.0f}", *(f"{level:.1f}" for level in row[:3]), f"{row[3]:.2f}"):
-            grid.label(
-                text="\N{EM DASH}" if text == "nan" else text.replace("-", "\N{MINUS SIGN}"),
-                translate=False,
-            )
+            show(grid, "\N{EM DASH}" if text == "nan" else text.replace("-", "\N{MINUS SIGN}"))
     for doubt in fit.doubts.splitlines():
         draw_sentence(layout, doubt, "INFO")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from bpy.types import Context, Panel, UILayout
 
 from ...core.modalities import Modality
+from ..blender.words import show
 from ..properties.modalities import SHOWN
 from ..session import sessions
 from .drawing import ObjectPanel, ScenePanel, draw_carrier, settings_layout
@@ -45,10 +46,10 @@ def _scene_panel(modality: Modality) -> type[Panel]:
 def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
     value = float(felt.values[index])
     row = layout.split(factor=0.72)
-    row.label(text=felt.listeners[index], translate=False)
+    show(row, felt.listeners[index])
     side = row.row()
     side.alignment = "RIGHT"
-    side.label(text=f"{value:+.1f} {felt.modality.source_value.unit}", translate=False)
+    show(side, f"{value:+.1f} {felt.modality.source_value.unit}")
     words = felt.modality.sensation(value)
     if words:
         layout.label(text=words, icon="BLANK1")

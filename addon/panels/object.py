@@ -8,13 +8,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Object, Panel, Scene, UILayout
 
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.values import HapticObject
 from ..blender.polling import SOLID_TYPES, is_editable
+from ..blender.words import said
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..session import sessions
@@ -132,7 +132,7 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
     hull = None if reading is None else reading.hulls.get(obj.name_full)
     rebuilding = 0.0 if reading is None else reading.rebuilt.get(obj.name_full, 0.0)
     if rebuilding > 1:
-        words = iface_("Its surface changes: to read it takes {:.0f} ms a frame")
+        words = said("Its surface changes: to read it takes {:.0f} ms a frame")
         draw_sentence(layout, words.format(rebuilding), "INFO")
     is_hull = (
         haptics.surface == "CONVEX_HULL" if body is None else body.collision_shape == "CONVEX_HULL"
@@ -148,10 +148,10 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
     unit = context.scene.unit_settings.system
     length = bpy.utils.units.to_string(unit, "LENGTH", hull.deviation, precision=2)
     if has_bones:
-        words = iface_("A convex part for each bone touches, up to {} beside its surface")
+        words = said("A convex part for each bone touches, up to {} beside its surface")
         draw_sentence(layout, words.format(length), "INFO")
         return
-    warn(layout, "Its convex hull touches,", iface_("up to {} beside its surface").format(length))
+    warn(layout, "Its convex hull touches,", said("up to {} beside its surface", length))
     if body is None:
         layout.operator("haptic.use_real_surface", icon="MESH_DATA")
     else:
@@ -200,7 +200,7 @@ def advice(context: Context, obj: Object) -> Iterator[tuple[str, ...]]:
         else:
             twin = _twin(context, haptics)
             if twin is not None:
-                yield iface_("Feels the same as {}:").format(twin), "only (1 - κ) ρ counts"
+                yield said("Feels the same as {}:", twin), "only (1 - κ) ρ counts"
     elif haptics.function == "constant" and haptics.constant == 0:
         yield ("Passes on nothing: the gain is 0",)
     if obj.rigid_body is not None and context.scene.rigidbody_world is None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Menu
 
 from ...core.scene.values import MODES
 from ...sample_scenes import SAMPLES
+from ..blender.words import said
 from ..operators.adding import SOURCE_ITEMS
 from .thumbnails import cell
 
@@ -123,7 +123,7 @@ class HAPTIC_MT_mode_pie(Menu):
         pie = self.layout.menu_pie()
         for mode, (title, _) in MODES.items():
             current = context.scene.haptics.mode == mode
-            text = f"{iface_(title)} ({mode})"
+            text = f"{said(title)} ({mode})"
             pie.operator(
                 "haptic.set_mode",
                 text=text,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Panel, UILayout
 
 from ..blender import job
+from ..blender.words import show
 from ..live_output import outputs
-from .drawing import SidebarPanel
+from .drawing import SidebarPanel, draw_more
 from .live_output import draw_search
 from .texts import fitted
 
@@ -55,12 +55,10 @@ def _draw_devices(layout: UILayout) -> None:
         row = layout.row(align=True)
         is_open = key in running and running[key].status.state == "open"
         icon = "CHECKMARK" if is_open else "ERROR" if key in running else "MOUSE_MOVE"
-        row.label(text=fitted(title, 0.8, icon=True), icon=icon, translate=False)
+        show(row, fitted(title, 0.8, icon=True), icon)
         connects = "disconnect" if key in running else "connect"
         icon = "UNLINKED" if key in running else "LINKED"
         row.operator(f"haptic.{connects}_device", text="", icon=icon).device = key
-    more = max(len(titles) - _DEVICES, 0)
-    if more:
-        layout.label(text=iface_("and {} more").format(more), translate=False)
-    elif inventory is not None and not titles:
+    draw_more(layout, len(titles) - _DEVICES)
+    if inventory is not None and not titles:
         layout.label(text="No haptic device is connected", icon="INFO")

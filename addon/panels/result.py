@@ -7,12 +7,12 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Header, Panel, UILayout
 
 from ...core.scene.choices import SourceKind
 from ...core.scene.values import MODES
 from ..bake import playback
+from ..blender.words import said, show
 from ..session import sessions
 from ..view import (
     comparison,
@@ -23,7 +23,7 @@ from ..view import (
     table,
     watched,
 )
-from .drawing import ScenePanel, SidebarPanel, draw_pair, select_button
+from .drawing import ScenePanel, SidebarPanel, draw_more, draw_pair, select_button
 from .texts import fitted, shortened_to
 
 if TYPE_CHECKING:
@@ -50,8 +50,8 @@ class HAPTIC_PT_result(SidebarPanel, Panel):
             row.label(text="Nothing traced yet")
         else:
             baked = playback.is_from_track(traced.result)
-            words = iface_("Frame {}, from the baked track" if baked else "Frame {}")
-            row.label(text=words.format(traced.result.number), translate=False)
+            words = said("Frame {}, from the baked track" if baked else "Frame {}")
+            show(row, words.format(traced.result.number))
         row.popover("HAPTIC_PT_table", text="", icon="SPREADSHEET")
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
         if traced is None:
@@ -60,14 +60,8 @@ class HAPTIC_PT_result(SidebarPanel, Panel):
         column = layout.column(align=True)
         for level in shown[:_LISTENERS]:
             _draw_level(column, level)
-        _draw_more(column, len(shown) - _LISTENERS)
+        draw_more(column, len(shown) - _LISTENERS)
         _draw_sources(layout.column(align=True), context, traced.result)
-
-
-def _draw_more(layout: UILayout, count: int) -> None:
-    """Draw how many items are not shown."""
-    if count > 0:
-        layout.label(text=iface_("and {} more").format(count), translate=False)
 
 
 def _draw_level(layout: UILayout, level: levels.Level) -> None:
@@ -110,8 +104,8 @@ def _draw_sources(layout: UILayout, context: Context, result: FrameResult) -> No
     latest = watched.felt_at_watched(context.scene)
     heard = None if latest is None else latest.value
     counts = (0, 0, 0) if heard is None else heard.counts()
-    words = iface_("{} felt, {} masked, {} too weak").format(*counts)
-    layout.label(text=words, translate=False)
+    words = said("{} felt, {} masked, {} too weak", *counts)
+    show(layout, words)
     felt = {} if heard is None else {item.source.name: item for item in heard.sources}
     lasting = [source.name for source in result.sources if source.kind is SourceKind.PERSISTENT]
     strongest = sorted(lasting, key=lambda name: -felt[name].margin if name in felt else math.inf)
@@ -122,13 +116,13 @@ def _draw_sources(layout: UILayout, context: Context, result: FrameResult) -> No
         cell.active = item is not None and item.state == "felt"
         words = levels.margin_words(item.margin) if item is not None else "\N{EM DASH}"
         if item is not None and item.masker:
-            words = iface_("by {}").format(item.masker)
-        cell.label(text=fitted(words, 0.35), translate=False)
+            words = said("by {}", item.masker)
+        show(cell, fitted(words, 0.35))
         _draw_switches(row, name, "source")
-    _draw_more(layout, len(lasting) - _SOURCES)
+    draw_more(layout, len(lasting) - _SOURCES)
     if context.scene.haptics.impacts:
         count = len(result.sources) - len(lasting)
-        layout.label(text=iface_("Impacts: {}").format(count), translate=False)
+        show(layout, said("Impacts: {}", count))
 
 
 class HAPTIC_PT_table(Panel):
@@ -148,8 +142,8 @@ class HAPTIC_PT_table(Panel):
         grid = layout.grid_flow(row_major=True, columns=5, even_columns=True, align=True)
         for row in found[:_ROWS]:
             for text in table.cells(row):
-                grid.label(text=shortened_to(text, 84.0), translate=False)
-        _draw_more(layout, len(found) - _ROWS)
+                show(grid, shortened_to(text, 84.0))
+        draw_more(layout, len(found) - _ROWS)
 
 
 class HAPTIC_PT_meters(SidebarPanel, Panel):
@@ -172,7 +166,7 @@ class HAPTIC_PT_meters(SidebarPanel, Panel):
         else:
             column.template_icon(icon_value=meter_pictures.scope_icon(scope), scale=_PICTURE)
             full = f"±{meter_layout.full_scale(scope):.3g}"
-            column.label(text=f"{fitted(scope.listener, 0.3)}, {full}", translate=False)
+            show(column, f"{fitted(scope.listener, 0.3)}, {full}")
         if scene.haptics.meters.show_body and any(level.body_part for level in shown):
             column = row.column()
             column.template_icon(icon_value=meter_pictures.body_icon(shown), scale=_PICTURE)
@@ -202,7 +196,7 @@ class HAPTIC_PT_comparison(ScenePanel, Panel):
         layout.label(text="Amplitude of the strongest source in dB")
         column = layout.column(align=True)
         for mode, (title, _) in MODES.items():
-            name = f"{iface_(title)} ({mode})"
+            name = f"{said(title)} ({mode})"
             column.operator(
                 "haptic.set_mode", text=name, depress=scene.haptics.mode == mode, translate=False
             ).mode = str(mode)

@@ -6,6 +6,7 @@ from typing import Any
 
 from bpy.types import Context, Panel, UILayout
 
+from ..blender.words import show
 from .drawing import SidebarPanel, draw_each
 from .object import draw_override, draw_transmission
 from .result import draw_solo_and_mute
@@ -23,7 +24,7 @@ class HAPTIC_PT_roles(SidebarPanel, Panel):
             layout.label(text="Select an object", icon="INFO")
             return
         row = layout.row()
-        row.label(text=obj.name, icon="OBJECT_DATA", translate=False)
+        show(row, obj.name, "OBJECT_DATA")
         draw_override(layout, obj)
         haptics = obj.haptics
         several = len(context.selected_objects) > 1

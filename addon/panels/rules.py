@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, UILayout, UIList
 
+from ..blender.words import said, show
 from ..properties.rules import SIDE_ITEMS
 from ..session import sessions
 from .texts import draw_sentence
@@ -31,11 +31,7 @@ class HAPTIC_UL_rules(UIList):
     ) -> None:
         row = layout.row(align=True)
         for kind, name in ((item.first_kind, item.first), (item.second_kind, item.second)):
-            row.label(
-                text=iface_("Anything") if kind == "ANY" else name,
-                icon=_ICONS[kind],
-                translate=False,
-            )
+            show(row, said("Anything") if kind == "ANY" else name, _ICONS[kind])
         table = data.path_from_id().rpartition(".")[2]
         if _problems(context, table, index):
             row.label(icon="ERROR")

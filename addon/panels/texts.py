@@ -10,6 +10,7 @@ from bpy.types import UILayout
 
 from ...core.scene.choices import SourceKind
 from ..blender.text import ELLIPSIS, shortened, text_width
+from ..blender.words import show
 
 if TYPE_CHECKING:
     from ...core.scene.values import Source
@@ -36,9 +37,7 @@ def draw_lines(layout: UILayout, text: str, icon: str = "NONE", most: int = 99) 
     if len(found) > most:
         found = (*found[: most - 1], found[most - 1] + ELLIPSIS)
     for number, line in enumerate(found):
-        layout.label(
-            text=line, icon=icon if number == 0 or icon == "NONE" else "BLANK1", translate=False
-        )
+        show(layout, line, icon if number == 0 or icon == "NONE" else "BLANK1")
     return len(found)
 
 

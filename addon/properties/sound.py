@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.props import FloatVectorProperty
 from bpy.types import Context, Object, PropertyGroup
 
 from ...core.devices import profile_files
 from ..blender.extension import profile_folders
 from ..blender.paths import local_path
+from ..blender.words import Told
 from .callbacks import changed, updating
 from .kinds import choice, limited, reference, share, switch, text
 
@@ -44,7 +44,7 @@ def sound_path(owner: bpy.types.ID, path: str) -> Path:
     such file."""
     full = local_path(path, owner)
     if not full.is_file():
-        raise ValueError(iface_("there is no file {}").format(full))
+        raise Told("there is no file {}", full)
     return full
 
 

@@ -9,10 +9,10 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
 from ..blender.text import Measure
+from ..blender.words import said
 from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
 from .cues import Cue
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
@@ -112,7 +112,7 @@ def label_text(label: Label) -> str:
     """The amplitude of a label as text: "−12.4 dB"; in words if it is 0."""
     if label.amplitude > 0:
         return decibel_text(label.amplitude)
-    return iface_("not reached") if label.is_listener else iface_("silent")
+    return said("not reached") if label.is_listener else said("silent")
 
 
 def _add_labels(
@@ -198,10 +198,10 @@ def _placed_legend(
         at_left: In the lower left corner, else in the right one.
     """
     shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
-    names = tuple(iface_(name) for name in NAMES.values())
+    names = tuple(said(name) for name in NAMES.values())
     margin = _MARGIN * scale
     for some in dict.fromkeys((shapes, ())):
-        legend = _legend(data.scale, iface_("Amplitude"), some, names, scale, measure)
+        legend = _legend(data.scale, said("Amplitude"), some, names, scale, measure)
         ((_, _, width, height),) = legend.bounds
         left = round(free[0] + margin if at_left else free[2] - margin - width)
         bottoms = [free[1], *(top for _, _, _, top in occupied)]

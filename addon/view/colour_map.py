@@ -15,10 +15,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
+from ..blender.words import said
 
 STEPS = 256
 
@@ -80,7 +80,7 @@ class AmplitudeScale:
 def decibel_text(amplitude: float) -> str:
     """An amplitude as a designer reads it: "−12.4 dB", or "silent" for 0."""
     if amplitude <= 0:
-        return iface_("silent")
+        return said("silent")
     value = round(20 * math.log10(amplitude), 1)
     if value == 0:
         return "0 dB"

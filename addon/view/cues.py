@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import bpy
 import numpy as np
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context
 
 from ...core.arrays import FloatArray
+from ..blender.words import said
 from . import paths
 from .hud import Rectangle
 
@@ -48,7 +48,7 @@ def cues_of(context: Context, perspective: FloatArray, free: Rectangle) -> tuple
                 free,
             )
             hidden = not obj.visible_get(viewport=context.space_data)
-            words = iface_("{} (hidden)").format(name) if hidden else name
+            words = said("{} (hidden)", name) if hidden else name
             if arrow or hidden:
                 found.append(Cue(f"{arrow} {words}".strip(), place))
     return tuple(found)

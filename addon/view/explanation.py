@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
 from ...core.diagnosis.gaps import Surroundings
@@ -14,6 +13,7 @@ from ...core.frozen import frozen
 from ...core.message import Message
 from ...core.scene.values import Listener, Source
 from ..blender.time import is_playing
+from ..blender.words import said
 from ..scene_reader.roles import is_silenced, solo_roles
 from ..session import sessions
 from ..session.derived import Derived
@@ -62,25 +62,25 @@ def why_silent(scene: Scene, listener: str) -> Explanation:
     traced = sessions.shown(scene)
     if not scene.haptics.tracing and traced is None:
         return Explanation(
-            iface_("Tracing is switched off: tick the box of the panel Haptic Tracing")
+            said("Tracing is switched off: tick the box of the panel Haptic Tracing")
         )
     if traced is None:
         problems = sessions.shown_problems(scene)
         return Explanation(
             problems[0].message
             if problems
-            else iface_("Nothing has been traced yet: play, or press Trace This Frame")
+            else said("Nothing has been traced yet: play, or press Trace This Frame")
         )
     if listener not in [item.name for item in traced.result.listeners]:
-        return Explanation(iface_("It was no listener when this frame was traced"))
+        return Explanation(said("It was no listener when this frame was traced"))
     if listener in _silenced(traced.result.listeners, "listener"):
         return Explanation(
-            iface_("It is muted, or others are solo: see the buttons beside it in What Is Felt")
+            said("It is muted, or others are solo: see the buttons beside it in What Is Felt")
         )
     notice = (
         ""
         if scene.haptics.tracing
-        else iface_("Tracing is switched off: this is how the scene was before.")
+        else said("Tracing is switched off: this is how the scene was before.")
     )
     latest = _REASONS.latest(
         scene, (listener, _silenced(traced.result.sources, "source"), is_playing())

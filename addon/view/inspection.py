@@ -7,7 +7,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context
 
 from ...core.arrays import FloatArray
@@ -15,6 +14,7 @@ from ...core.diagnosis.connections import connections
 from ...core.message import Metres, written
 from ..blender.text import text_width
 from ..blender.units import metres_per_unit
+from ..blender.words import said
 from ..changes.events import file_changed
 from ..session.derived import Derived
 from ..session.sessions import Traced
@@ -136,8 +136,8 @@ def words_of(link: Link) -> tuple[str, ...]:
         way = f"{written(Metres(link.distance))}, {loss}"
     else:
         title = f"{link.first} \N{MULTIPLICATION SIGN} {link.second}"
-        way = iface_("Contact, {}").format(loss)
-    gain = iface_("Gain up to here {}").format(change_words(link.gain))
+        way = said("Contact, {}", loss)
+    gain = said("Gain up to here {}", change_words(link.gain))
     return title, way, gain, f"{link.source} \N{RIGHTWARDS ARROW} {link.listener}"
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from bpy.app.translations import pgettext_iface as iface_
 
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
@@ -18,6 +17,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.render.history import lasts, still_samples
 from ...core.render.levels import LEVEL_SECONDS as LEVEL_SECONDS
 from ...core.render.levels import level_and_margin as level_and_margin
+from ..blender.words import said
 from ..session.derived import Derived
 from ..session.sessions import Traced
 
@@ -76,7 +76,7 @@ class Level:
 
 def basis_words(words: str, is_assumed: bool) -> str:
     """Words about a margin, with "(assumed)" if the listener's device isn't calibrated."""
-    return iface_("{} (assumed)").format(words) if is_assumed else words
+    return said("{} (assumed)", words) if is_assumed else words
 
 
 def place_of(level: float) -> float:
@@ -86,13 +86,13 @@ def place_of(level: float) -> float:
 
 def decibels(level: float) -> str:
     """A level as text: "−12 dB", or "silent"."""
-    return iface_("silent") if level == -math.inf else f"{_number(level)} dB"
+    return said("silent") if level == -math.inf else f"{_number(level)} dB"
 
 
 def change_words(change: float) -> str:
     """What is added to a level, in tenths of decibels with its sign: "−12.3 dB", or "silent"."""
     if change == -math.inf:
-        return iface_("silent")
+        return said("silent")
     return f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}") if abs(change) >= 0.05 else "0.0 dB"
 
 

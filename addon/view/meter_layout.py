@@ -14,6 +14,7 @@ from ...core.arrays import FloatArray, IntArray
 from ...core.frozen import frozen
 from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
 from ..blender.text import Measure
+from ..blender.words import said
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
 from .levels import FLOOR, Level, place_of
@@ -152,7 +153,7 @@ def meter_hud(
         _add_row(builder, (x, y), level, columns)
     if layout.hidden:
         y -= ROW * scale
-        builder.text(iface_("and {} more").format(layout.hidden), (x, y + 4 * scale), FAINT_INK)
+        builder.text(said("and {} more", layout.hidden), (x, y + 4 * scale), FAINT_INK)
     if layout.scope is not None:
         y -= (SCOPE_HEIGHT + GAP) * scale
         size = columns.width * scale, SCOPE_HEIGHT * scale
@@ -297,7 +298,7 @@ def add_scope(
         builder.plate((x, low_end), (x + width / _SCOPE_COLUMNS, high_end), SCOPE_COLOUR, 0.0)
     span = f"±{full:.3g}"
     span_width = builder.width(span, SMALL_TEXT)
-    words = iface_("{}, last second").format(scope.listener)
+    words = said("{}, last second", scope.listener)
     words = builder.fitted(words, width - span_width - 15 * scale, SMALL_TEXT)
     builder.text(words, (left + 5 * scale, high - 11 * scale), FAINT_INK, SMALL_TEXT)
     builder.text(
@@ -366,7 +367,7 @@ def add_body(
                 )
                 at = (low + share * (high - low)).tolist()
                 builder.line(at, at, (*_WHITE[:3], 0.25 + 0.75 * spot.amplitude), 2.5)
-        words = iface_(view)
+        words = said(view)
         width = builder.width(words, SMALL_TEXT)
         builder.text(
             words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, SMALL_TEXT

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import bpy
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene
 
 from ...core.scene.body_map import Spot
 from ...core.scene.values import MODES, Mode
 from ..blender.text import text_width
 from ..blender.time import is_playing
+from ..blender.words import said
 from ..changes.events import file_changed
 from ..changes.redraw import SIDEBAR_TAB
 from ..session import sessions
@@ -146,7 +146,7 @@ def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
 
 def _title(scene: Scene) -> str:
     is_late = sessions.is_behind(scene) and not is_playing()
-    return iface_("Tracing..." if is_late else MODES[Mode(scene.haptics.mode)][0])
+    return said("Tracing..." if is_late else MODES[Mode(scene.haptics.mode)][0])
 
 
 def _room(context: Context, scene: Scene, scale: float) -> Rectangle:
