@@ -34,13 +34,11 @@ def paint(canvas: Canvas, items: Hud, scale: float) -> None:
     ):
         if shape == Symbol.PLATE:
             _paint_plate(canvas, start[:2], end[:2], colour, width * scale / 2)
-        else:
+        elif shape == Symbol.LINE:
             _paint_line(canvas, start[:2], end[:2], colour[0], width * scale / 2)
-    points = items.points
-    for position, colour, size, shape in zip(
-        points.position, points.colour, points.size, points.shape, strict=True
-    ):
-        _paint_symbol(canvas, position[:2], colour[:3], size * scale / 2, Symbol(int(shape)), scale)
+        else:
+            symbol = Symbol(int(shape))
+            _paint_symbol(canvas, start[:2], colour[0, :3], width * scale / 2, symbol, scale)
     for text in items.texts:
         _paint_text(canvas, text)
 

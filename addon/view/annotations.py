@@ -149,9 +149,9 @@ def _add_labels(
     )
     clearance = scale * (np.array([label.clearance for label in labels]) + _GAP)
     symbols = data.points.shape != Symbol.CONTACT
-    places = project(data.points.position[symbols].astype(np.float64), perspective, size)
+    places = project(data.points.position[symbols, 0].astype(np.float64), perspective, size)
     occupied = np.concatenate(
-        [occupied, squares_around(places, scale * data.points.size[symbols] / 2)]
+        [occupied, squares_around(places, scale * data.points.width[symbols] / 2)]
     )
     paths = project(_along_paths(data.paths), perspective, size)
     corner = place_labels(anchor, extent, clearance, free, occupied, paths[~np.isnan(paths[:, 0])])

@@ -166,7 +166,8 @@ def _add_annotations(
     depth = 1.0 if orthographic else distance
     shift = -projection[:2, 3] if orthographic else projection[:2, 2]
     extent = 2 * depth / np.diag(projection)[:2]  # visible size of the plane, in metres
-    plane = bpy.data.objects.new("Haptic Labels", solid_mesh("Haptic Labels", flat(items, scale)))
+    shapes = flat(items, scale)
+    plane = bpy.data.objects.new("Haptic Labels", solid_mesh("Haptic Labels", shapes))
     plane.data.materials.append(flat_material("Haptic Labels"))
     plane.data.materials[0].surface_render_method = "BLENDED"
     plane.parent = camera
@@ -174,7 +175,7 @@ def _add_annotations(
     plane.scale = extent[0] / size[0], extent[1] / size[1], extent[1] / size[1]
     collection.objects.link(plane)
     _hide_from_light(plane)
-    above = 0.02 * scale * (len(items.lines.width) + 8 * len(items.points.size))
+    above = shapes.vertices[:, 2].max() + 0.01 * scale
     texts = [
         (_add_text(collection, text.words, text.size, (*text.colour, 1.0)), text)
         for text in items.texts

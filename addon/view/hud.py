@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.frozen import frozen
 from ..blender.text import Measure, shortened
-from .render_data import Lines, Points, Symbol, joined, lines_of, points_of
+from .render_data import Lines, Symbol, joined, lines_of
 
 TEXT_SIZE = 11.0
 SMALL_TEXT = 0.86 * TEXT_SIZE
@@ -34,11 +34,10 @@ class PlacedText:
 
 @frozen
 class Hud:
-    """Elements drawn over a viewport: ``lines`` and ``points`` in pixels (z = 0, sizes in points)
-    and ``texts``; ``bounds``: the plates."""
+    """Elements drawn over a viewport: ``lines``, with plates and symbols, in pixels (z = 0, sizes
+    in points) and ``texts``; ``bounds``: the plates."""
 
     lines: Lines
-    points: Points
     texts: tuple[PlacedText, ...]
     bounds: tuple[Rectangle, ...] = ()
 
@@ -47,7 +46,6 @@ class Hud:
         by = np.array([right, up, 0], dtype=np.float32)
         return Hud(
             replace(self.lines, position=self.lines.position + by),
-            replace(self.points, position=self.points.position + by),
             tuple(
                 replace(text, position=(text.position[0] + right, text.position[1] + up))
                 for text in self.texts
@@ -60,9 +58,8 @@ class Hud:
 
     def joined(self, other: Hud) -> Hud:
         """Both, ``other`` drawn over this one."""
-        lines = joined([self.lines, other.lines])
-        points = joined([self.points, other.points])
-        return Hud(lines, points, self.texts + other.texts, self.bounds + other.bounds)
+        lines = joined(self.lines, other.lines)
+        return Hud(lines, self.texts + other.texts, self.bounds + other.bounds)
 
 
 def _unmeasured(words: str, size: float) -> float:
@@ -78,7 +75,6 @@ class HudBuilder:
         self.scale = scale
         self._measure = measure
         self._strokes: list[tuple[float, ...]] = []
-        self._symbols: list[tuple[float, ...]] = []
         self._texts: list[PlacedText] = []
         self._bounds: list[Rectangle] = []
 
@@ -112,18 +108,8 @@ class HudBuilder:
             radius: of its corners [points].
             right: colour at its right end if that differs.
         """
-        self._strokes.append(
-            (
-                *low,
-                0,
-                *high,
-                0,
-                *colour,
-                *(colour if right is None else right),
-                2 * radius,
-                Symbol.PLATE,
-            )
-        )
+        ends = *colour, *(colour if right is None else right)
+        self._strokes.append((*low, 0, *high, 0, *ends, 2 * radius, Symbol.PLATE))
 
     def line(
         self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float
@@ -135,7 +121,7 @@ class HudBuilder:
         self, centre: Sequence[float], shape: Symbol, size: float, colour: Sequence[float]
     ) -> None:
         """A symbol of ``size`` points."""
-        self._symbols.append((*centre, 0, *colour, size, shape))
+        self._strokes.append((*centre, 0, *centre, 0, *colour, 1, *colour, 1, size, shape))
 
     def text(
         self,
@@ -157,14 +143,12 @@ class HudBuilder:
     def build(self) -> Hud:
         """Everything collected so far."""
         strokes = np.array(self._strokes, dtype=np.float32).reshape(-1, 16)
-        symbols = np.array(self._symbols, dtype=np.float32).reshape(-1, 8)
         position = strokes[:, :6].reshape(-1, 2, 3)
         colour = strokes[:, 6:14].reshape(-1, 2, 4)
         lines = lines_of(
             position, colour[..., :3], colour[..., 3], strokes[:, 14], shape=strokes[:, 15]
         )
-        points = points_of(symbols[:, :3], symbols[:, 3:6], 1.0, symbols[:, 6], symbols[:, 7])
-        return Hud(lines, points, tuple(self._texts), tuple(self._bounds))
+        return Hud(lines, tuple(self._texts), tuple(self._bounds))
 
 
 def overlaps(one: Rectangle, other: Rectangle) -> bool:

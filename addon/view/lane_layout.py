@@ -121,8 +121,6 @@ def names(
         measure: the width of texts.
     """
     builder = HudBuilder(scale, measure)
-    for place in marks:
-        builder.symbol(place, Symbol.IMPACT, _MARK, colours.source[:3])
     right = 0.0
     for number, row in enumerate(rows):
         is_beside = number > 0 and row.low == rows[number - 1].low
@@ -137,6 +135,8 @@ def names(
         kind = colours.source if row.is_source else colours.listener
         builder.plate((left, low), (left + _SWATCH * scale, low + 10 * scale), (*kind, 1.0), 0.0)
         builder.text(text, (start, low + 2 * scale), colours.ink, SMALL_TEXT)
+    for place in marks:
+        builder.symbol(place, Symbol.IMPACT, _MARK, colours.source[:3])
     return builder.build()
 
 

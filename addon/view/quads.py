@@ -6,13 +6,11 @@ length 0, so that lines of any width, points of any shape and their order take a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.frozen import frozen
-from .render_data import Drawn, Lines, Points, RenderData, halos, joined
+from .render_data import Drawn, Lines, RenderData, halos, joined
 
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=np.float32)
 ATTRIBUTES = (
@@ -41,26 +39,23 @@ class Quads:
 
 def quads(data: RenderData) -> Quads:
     """The graph of a frame, in the order in which it is painted."""
-    return quads_of((data.tree, data.highlight, halos(data.paths), data.paths), data.points)
+    return quads_of(joined(data.tree, data.highlight, halos(data.paths), data.paths, data.points))
 
 
-def quads_of(lines: Sequence[Lines], points: Points) -> Quads:
-    """Lines first, points over them."""
-    every = joined(lines)
-    count = len(every.width) + len(points.size)
+def quads_of(lines: Lines) -> Quads:
+    """Lines and points in their order."""
+    count = len(lines.width)
     per_quad = {
-        "start": np.concatenate([every.position[:, 0], points.position]),
-        "end": np.concatenate([every.position[:, 1], points.position]),
-        "colour_start": np.concatenate([every.colour[:, 0], points.colour]),
-        "colour_end": np.concatenate([every.colour[:, 1], points.colour]),
-        "arc_length": np.concatenate(
-            [every.arc_length, np.full((len(points.size), 2), -1, dtype=np.float32)]
-        ),
+        "start": lines.position[:, 0],
+        "end": lines.position[:, 1],
+        "colour_start": lines.colour[:, 0],
+        "colour_end": lines.colour[:, 1],
+        "arc_length": lines.arc_length,
     }
     attributes = {name: np.repeat(values, 4, axis=0) for name, values in per_quad.items()}
     style = np.empty((count, 4, 4), dtype=np.float32)
-    style[:, :, 0] = np.concatenate([every.width, points.size])[:, None]
-    style[:, :, 1] = np.concatenate([every.shape, points.shape])[:, None]
+    style[:, :, 0] = lines.width[:, None]
+    style[:, :, 1] = lines.shape[:, None]
     style[:, :, 2:] = CORNERS
     attributes["style"] = style.reshape(-1, 4)
     corners = np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32)

@@ -4,11 +4,9 @@ independent of the GPU."""
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import fields
 from enum import IntEnum
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,21 +88,13 @@ class Options:
 
 
 @frozen
-class Points:
-    """``position`` (n, 3) [m], ``colour`` (n, 4) display values with opacity, ``size`` (n,)
-    diameter [pixels], ``shape`` (n,)."""
-
-    position: Drawn
-    colour: Drawn
-    size: Drawn
-    shape: Drawn
-
-
-@frozen
 class Lines:
-    """``position`` (n, 2, 3) [m], ``colour`` (n, 2, 4) at either end, ``width`` (n,) [pixels],
-    ``arc_length`` (n, 2) metres from the source along a best path at either end, -1 for lines that
-    show no flow, ``shape`` (n,). Later lines are drawn over earlier ones."""
+    """Lines, and points, which are lines without length in the form of a symbol.
+
+    ``position`` (n, 2, 3) [m], ``colour`` (n, 2, 4) display values with opacity at either end,
+    ``width`` (n,) of a line or diameter of a point [pixels], ``arc_length`` (n, 2) metres from the
+    source along a best path at either end, -1 for what shows no flow, ``shape`` (n,). Later ones
+    are drawn over earlier ones."""
 
     position: Drawn
     colour: Drawn
@@ -113,41 +103,31 @@ class Lines:
     shape: Drawn
 
 
-Part = TypeVar("Part", Lines, Points)
-
-
-def joined(parts: Sequence[Part]) -> Part:
-    """Several lines or points as one, in their order."""
-    kind = type(parts[0])
-    return kind(
-        *(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(kind))
+def joined(*parts: Lines) -> Lines:
+    """Several parts as one, in their order."""
+    return Lines(
+        *(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Lines))
     )
 
 
 def points_of(
-    position: FloatArray | Drawn,
-    colour: FloatArray | Drawn,
-    opacity: FloatArray | float,
-    size: FloatArray | Drawn | float,
-    shape: IntArray | Drawn | Symbol,
-) -> Points:
-    """Points; each value but the position is one for all points or one for each.
+    position: FloatArray,
+    colour: FloatArray,
+    opacity: FloatArray,
+    size: FloatArray | float,
+    shape: IntArray | Symbol,
+) -> Lines:
+    """Points.
 
     Args:
         position: (n, 3) [m].
-        colour: Display values without opacity.
-        opacity: 0 to 1.
-        size: Diameter [pixels].
-        shape: The symbol.
+        colour: Display values without opacity (n, 3).
+        opacity: 0 to 1 (n,).
+        size: Diameter [pixels], of all or of each.
+        shape: The symbol, of all or of each.
     """
-    count = len(position)
-    places = np.asarray(position, dtype=np.float32)
-    return Points(
-        places,
-        _with_opacity((count, 4), colour, opacity),
-        _filled(count, size),
-        _filled(count, shape),
-    )
+    both = np.repeat(position[:, None], 2, axis=1)
+    return lines_of(both, colour[:, None], opacity[:, None], size, shape=shape)
 
 
 def lines_of(
@@ -156,7 +136,7 @@ def lines_of(
     opacity: FloatArray | Drawn | float,
     width: FloatArray | Drawn | float,
     arc_length: FloatArray | float = -1.0,
-    shape: Drawn | Symbol = Symbol.LINE,
+    shape: IntArray | Drawn | Symbol = Symbol.LINE,
 ) -> Lines:
     """Lines; each value but the position is one for all lines or one for each.
 
@@ -166,11 +146,12 @@ def lines_of(
         opacity: 0 to 1, also of either end.
         width: [pixels].
         arc_length: Metres along a best path at either end, -1 for lines that show no flow.
-        shape: A line, or a plate between two corners.
+        shape: A line, a plate between two corners, or a symbol.
     """
     count = len(position)
     places = np.asarray(position, dtype=np.float32)
-    colours = _with_opacity((count, 2, 4), colour, opacity)
+    colours = np.empty((count, 2, 4), dtype=np.float32)
+    colours[..., :3], colours[..., 3] = colour, opacity
     return Lines(
         places,
         colours,
@@ -178,14 +159,6 @@ def lines_of(
         _filled((count, 2), arc_length),
         _filled(count, shape),
     )
-
-
-def _with_opacity(
-    shape: tuple[int, ...], colour: FloatArray | Drawn, opacity: FloatArray | Drawn | float
-) -> Drawn:
-    colours = np.empty(shape, dtype=np.float32)
-    colours[..., :3], colours[..., 3] = colour, opacity
-    return colours
 
 
 _filled = partial(np.full, dtype=np.float32)
@@ -217,7 +190,7 @@ class RenderData:
     tree: Lines
     highlight: Lines
     paths: Lines
-    points: Points
+    points: Lines
     labels: tuple[Label, ...]
     scale: AmplitudeScale
 
@@ -339,7 +312,7 @@ def _points(
     scale: AmplitudeScale,
     options: Options,
     pairs: BoolArray,
-) -> Points:
+) -> Lines:
     """Points of contacts, listeners and sources, in this order. Contacts off the best paths of
     selected listeners are dimmed.
 
@@ -363,13 +336,13 @@ def _points(
         ] = True
     contacts = _contact_points(result.graph, spreading, scale, shown)
     return joined(
-        [contacts, _listener_points(result, scale, options), _source_points(result, options)]
+        contacts, _listener_points(result, scale, options), _source_points(result, options)
     )
 
 
 def _contact_points(
     graph: HapticGraph, spreading: Spread, scale: AmplitudeScale, shown: BoolArray
-) -> Points:
+) -> Lines:
     """One point per contact, midway between its two nodes, the strongest on top, smaller if there
     are many. Contacts whose nodes are not ``shown`` (n,) are dimmed."""
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
@@ -390,7 +363,7 @@ def _contact_points(
     return points_of(position, _amplitude_colour(scale, amplitude), opacity, size, Symbol.CONTACT)
 
 
-def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Options) -> Points:
+def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Options) -> Lines:
     amplitude = listener_amplitudes(result, options)
     unselected = np.array(
         [bool(options.listeners) and li.name not in options.listeners for li in result.listeners],
@@ -407,7 +380,7 @@ def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Option
     )
 
 
-def _source_points(result: FrameResult, options: Options) -> Points:
+def _source_points(result: FrameResult, options: Options) -> Lines:
     """One point per source; for an impact one on each object if they have separated."""
     graph = result.graph
     places: list[tuple[SourceNodes, FloatArray]] = []

@@ -37,7 +37,7 @@ class Uploaded(NamedTuple):
 
 def uploaded(items: Hud) -> Uploaded:
     """Everything that is drawn over a viewport."""
-    return Uploaded(shader.upload(quads_of((items.lines,), items.points)), items.texts)
+    return Uploaded(shader.upload(quads_of(items.lines)), items.texts)
 
 
 def draw_flat(shown: Uploaded, size: tuple[float, float], scale: float) -> None:

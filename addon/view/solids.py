@@ -11,7 +11,7 @@ import numpy as np
 from ...core.arrays import FloatArray, IntArray
 from ...core.frozen import frozen
 from .hud import Hud
-from .render_data import HALO_COLOUR, LAYERS, Drawn, Lines, Points, RenderData, Symbol
+from .render_data import HALO_COLOUR, LAYERS, Drawn, Lines, RenderData, Symbol
 
 RIM = 2.2
 """Width of the dark rim around lines [points]."""
@@ -59,7 +59,7 @@ def _rim(shell: Solid) -> Solid:
 def seen_unit(data: RenderData, projection: FloatArray, view: FloatArray, height: float) -> float:
     """Units of the view per point at which the graph looks as thick as the overlay in a picture
     of ``height`` points, at the middle of its depth."""
-    position = np.column_stack([data.points.position, np.ones(len(data.points.size))])
+    position = np.column_stack([data.points.position[:, 0], np.ones(len(data.points.width))])
     depth = (position @ (projection @ view).T)[:, 3]
     seen = depth[depth > 0]
     return 2 * float(np.median(seen) if len(seen) else 1.0) / (projection[1, 1] * height)
@@ -67,7 +67,7 @@ def seen_unit(data: RenderData, projection: FloatArray, view: FloatArray, height
 
 def extent_unit(data: RenderData) -> float:
     """Metres per point at which the graph looks as in a viewport that it fills."""
-    position = data.points.position
+    position = data.points.position[:, 0]
     diagonal = float(np.linalg.norm(np.ptp(position, axis=0))) if len(position) else 0.0
     return max(diagonal, 0.1) / 900
 
@@ -120,15 +120,15 @@ def _perpendicular(along: FloatArray) -> tuple[FloatArray, FloatArray]:
     return across, np.cross(along, across)
 
 
-def _symbols(points: Points, shape: Symbol, unit: float, facing: FloatArray) -> Solid:
+def _symbols(points: Lines, shape: Symbol, unit: float, facing: FloatArray) -> Solid:
     """The symbols of a ``shape``, each layer a little nearer to the viewer."""
     chosen = points.shape == shape
-    position = points.position[chosen].astype(np.float64)
-    size = points.size[chosen] * unit
+    position = points.position[chosen, 0].astype(np.float64)
+    size = points.width[chosen] * unit
     corners = _OUTLINES[shape] @ facing[:2]
     parts = []
     for number, (inset, colour, _) in enumerate(
-        layers(shape, points.colour[chosen, :3].astype(np.float64))
+        layers(shape, points.colour[chosen, 0, :3].astype(np.float64))
     ):
         lift = (_LIFT[0] + _LIFT[1] * number) * size[:, None]
         centre = position + lift * facing[2]
@@ -158,18 +158,16 @@ def flat(items: Hud, scale: float) -> Solid:
     for (start, end), colour, width, shape in zip(
         lines.position[:, :, :2], lines.colour, lines.width * scale, lines.shape, strict=True
     ):
+        if shape in _OUTLINES:
+            for inset, layer, opacity in layers(Symbol(int(shape)), colour[0, :3]):
+                outline = start + (width / 2 - inset * scale) * _OUTLINES[Symbol(int(shape))]
+                shapes.append((outline, np.broadcast_to([*layer, opacity], (len(outline), 4))))
+            continue
         outline = (
             _rounded(start, end, width / 2) if shape == Symbol.PLATE else _bar(start, end, width)
         )
         part = np.clip((outline[:, :1] - start[0]) / max(end[0] - start[0], 1e-9), 0, 1)
         shapes.append((outline, colour[0] + part * (colour[1] - colour[0])))
-    points = items.points
-    for centre, colour, size, shape in zip(
-        points.position[:, :2], points.colour, points.size, points.shape, strict=True
-    ):
-        for inset, layer, opacity in layers(Symbol(int(shape)), colour[:3]):
-            outline = centre + (size / 2 - inset) * scale * _OUTLINES[Symbol(int(shape))]
-            shapes.append((outline, np.broadcast_to([*layer, opacity], (len(outline), 4))))
     parts = []
     for number, (outline, colour) in enumerate(shapes):
         ring = np.column_stack([outline, np.full(len(outline), 0.01 * scale * number)])

@@ -101,7 +101,7 @@ def found() -> dict[str, Any]:
             traced, session.of(scene).reading.settings, options_of(scene, traced)
         ).data
         result["lengths"].append(np.diff(drawn.paths.arc_length, axis=1).ravel().tolist())
-        places = drawn.points.position @ np.array(overlay.from_metres(scene))[:3, :3].T
+        places = drawn.points.position[:, 0] @ np.array(overlay.from_metres(scene))[:3, :3].T
         hand = scene.objects["hand"].matrix_world.translation
         assert np.abs(places - hand).max(axis=1).min() < 1e-5 * hand.length
     scene.frame_set(1)

@@ -50,7 +50,7 @@ def test_nothing_is_built_while_nothing_changed(uploads, bridge, scene, show):
     assert draw.drawing_of(scene) is first
     assert len(uploads) == 1
     data = first.shapes.data
-    assert uploads[0] == len(data.tree.width) + 2 * len(data.paths.width) + len(data.points.size)
+    assert uploads[0] == len(data.tree.width) + 2 * len(data.paths.width) + len(data.points.width)
 
 
 def test_frames_in_which_nothing_changes_share_a_drawing(uploads, bridge, show):

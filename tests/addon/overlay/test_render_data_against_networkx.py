@@ -100,7 +100,7 @@ def test_arrays_are_finite_and_fit_together(seed, show_intra, show_best_paths, m
     points = data.points
     expected = result.graph.contact_count + len(result.listeners) + len(result.sources)
     assert (
-        len(points.size)
+        len(points.width)
         == len(points.shape)
         == len(points.position)
         == len(points.colour)
@@ -114,24 +114,25 @@ def test_bridge_points(bridge):
     scale = AmplitudeScale.of_threshold(0.01)
     assert scale.floor == -40
     by_place = {
-        tuple(np.round(p.astype(float), 3).tolist()): k for k, p in enumerate(data.points.position)
+        tuple(np.round(p.astype(float), 3).tolist()): k
+        for k, p in enumerate(data.points.position[:, 0])
     }
     truck = by_place[(-1.5, 0.0, 1.0)]
     assert data.points.shape[truck] == Symbol.SOURCE
-    assert data.points.colour[truck] == pytest.approx([*SOURCE_COLOUR, 1])
+    assert data.points.colour[truck, 0] == pytest.approx([*SOURCE_COLOUR, 1])
     driver = by_place[(0.2, 0.0, 1.0)]
     expected = math.exp(-0.4 * 1.7)
     assert data.points.shape[driver] == Symbol.LISTENER
-    assert data.points.colour[driver, :3] == pytest.approx(
+    assert data.points.colour[driver, 0, :3] == pytest.approx(
         scale.colour(np.array(expected)), abs=1e-6
     )
     for place, shape in (((-1.2, 0.0, -1.6), Symbol.LISTENER), ((0.0, 0.0, -1.6), Symbol.CONTACT)):
         unreached = by_place[place]
         assert data.points.shape[unreached] == shape
-        assert data.points.colour[unreached, :3] == pytest.approx(SILENT_COLOUR)
-        assert data.points.colour[unreached, 3] < 1
+        assert data.points.colour[unreached, 0, :3] == pytest.approx(SILENT_COLOUR)
+        assert data.points.colour[unreached, 0, 3] < 1
     siren = by_place[(-0.5, 0.0, 1.0)]
-    assert data.points.colour[siren, :3] == pytest.approx(SILENT_COLOUR)
+    assert data.points.colour[siren, 0, :3] == pytest.approx(SILENT_COLOUR)
 
 
 def test_bridge_labels(bridge):
@@ -162,7 +163,7 @@ def test_selected_source_spreads_alone(bridge):
     silent = render_data(bridge, BRIDGE.settings, Options(sources=frozenset({"siren"})))
     assert len(silent.tree.width) == len(silent.paths.width) == 0
     contacts = silent.points.shape == Symbol.CONTACT
-    assert silent.points.colour[contacts, :3] == pytest.approx(np.tile(SILENT_COLOUR, (3, 1)))
+    assert silent.points.colour[contacts, 0, :3] == pytest.approx(np.tile(SILENT_COLOUR, (3, 1)))
 
 
 def test_impact_is_drawn_on_both_objects_once_they_part():
@@ -178,7 +179,9 @@ def test_impact_is_drawn_on_both_objects_once_they_part():
         data = render_data(result, BRIDGE.settings, Options())
         impacts = data.points.shape == Symbol.IMPACT
         assert impacts.sum() == count
-        assert data.points.colour[impacts, :3] == pytest.approx(np.tile(IMPACT_COLOUR, (count, 1)))
+        assert data.points.colour[impacts, 0, :3] == pytest.approx(
+            np.tile(IMPACT_COLOUR, (count, 1))
+        )
 
 
 @pytest.mark.parametrize("mode", [Mode.MD, Mode.MN])
@@ -203,20 +206,22 @@ def test_single_nearest_draws_the_distance_only_graph():
         data.scale.colour(np.array(math.exp(-0.2 * 1.7))), abs=1e-6
     )
     reached = data.points.shape == Symbol.LISTENER
-    assert (data.points.colour[reached, :3] == np.float32(SILENT_COLOUR)).all(axis=1).sum() == 2
+    assert (data.points.colour[reached, 0, :3] == np.float32(SILENT_COLOUR)).all(axis=1).sum() == 2
 
 
 def test_nothing_traced_is_nothing_drawn():
     result = traced(replace(BRIDGE, contacts=(), sources=(), listeners=()))
     data = render_data(result, BRIDGE.settings, Options())
-    assert len(data.tree.width) == len(data.paths.width) == len(data.points.size) == 0
+    assert len(data.tree.width) == len(data.paths.width) == len(data.points.width) == 0
     assert data.labels == ()
 
 
 def test_contacts_off_the_paths_of_the_selected_listener_are_dimmed(bridge):
     for chosen, opaque in (("driver", 0), ("walker", 2)):
         data = render_data(bridge, BRIDGE.settings, Options(listeners=frozenset({chosen})))
-        opacity = data.points.colour[data.points.shape == Symbol.CONTACT, 3]
+        opacity = data.points.colour[data.points.shape == Symbol.CONTACT, 0, 3]
         assert (opacity == 1).sum() == opaque
     everything = render_data(bridge, BRIDGE.settings, Options())
-    assert (everything.points.colour[everything.points.shape == Symbol.CONTACT, 3] == 1).sum() == 2
+    assert (
+        everything.points.colour[everything.points.shape == Symbol.CONTACT, 0, 3] == 1
+    ).sum() == 2

@@ -39,12 +39,12 @@ def test_symbols_face_the_viewer_and_lie_around_their_places(seed):
     a, b, c = seen[solid.triangles].transpose(1, 0, 2)
     assert (np.cross(b - a, c - a)[:, 2] > -1e-12).all()
     assert np.ptp(seen[solid.triangles][..., 2], axis=1).max() < 1e-9
-    places = data.points.position @ (axes * np.linalg.det(axes)).T
+    places = data.points.position[:, 0] @ (axes * np.linalg.det(axes)).T
     reach = (
-        np.linalg.norm(seen[:, None, :2] - places[None, :, :2], axis=2) - data.points.size * 0.005
+        np.linalg.norm(seen[:, None, :2] - places[None, :, :2], axis=2) - data.points.width * 0.005
     )
     assert reach.min(axis=1).max() < 1e-6
-    for place, size in zip(places, data.points.size, strict=True):
+    for place, size in zip(places, data.points.width, strict=True):
         own = np.linalg.norm(seen[:, :2] - place[:2], axis=1)
         assert (np.abs(own - size * 0.005) < 1e-6).any()
 
