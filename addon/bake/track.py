@@ -12,7 +12,7 @@ import math
 import struct
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,7 +24,6 @@ from ...core.contacts.contact_set import ContactSet
 from ...core.diagnosis.connections import connections
 from ...core.formats.io.strict_json import parse_json
 from ...core.forms import Form
-from ...core.frozen import frozen
 from ...core.graph.haptic_graph import ObjectTable, build_graph
 from ...core.propagation import Propagation
 from ...core.render.frame_result import FrameResult
@@ -50,32 +49,16 @@ class TrackError(ValueError):
     """Error for bytes that are not a haptic track, or one of a later version."""
 
 
-@frozen
-class TrackListener:
-    """A listener of the track."""
-
-    name: str
-    body_part: str = ""
-    radius: float = 0.0
-    s_max: float = 1.0
+def track_source(name: str, obj: str, second: str | None = None, onset: float = 0.0) -> Source:
+    """A source of a track; ``second`` is the other object of an impact."""
+    is_struck = second is not None or onset
+    kind = SourceKind.TEMPORARY if is_struck else SourceKind.PERSISTENT
+    return Source(name, obj, kind=kind, second_object=second, onset=onset)
 
 
-@frozen
-class TrackSource:
-    """A source that reached a listener; ``second_object`` is the other object of an impact."""
-
-    name: str
-    object: str
-    second_object: str | None = None
-    onset: float = 0.0
-
-    @property
-    def kind(self) -> SourceKind:
-        return (
-            SourceKind.PERSISTENT
-            if self.second_object is None and not self.onset
-            else SourceKind.TEMPORARY
-        )
+def track_listener(name: str, part: str, radius: float, s_max: float) -> Listener:
+    """A listener of a track."""
+    return Listener(name, name, body_part=part, radius=radius, s_max=s_max)
 
 
 _ARRAYS = (
@@ -102,8 +85,8 @@ class HapticTrack:
         frame_duration: of each frame [s].
         start: time of the first frame [s].
         sample_rate: samples per second.
-        listeners: the l listeners.
-        sources: all sources that reach a listener in any frame.
+        listeners: the l listeners, without their positions.
+        sources: all sources that reach a listener in any frame, without positions and amplitudes.
         samples: (l, n) int16 of the listeners.
         first_sample: number of the first sample, counted from the start of the scene.
         offsets: (f + 1,) frame k has the samples ``offsets[k] : offsets[k + 1]``.
@@ -125,8 +108,8 @@ class HapticTrack:
     start: float
     sample_rate: int
     first_sample: int
-    listeners: tuple[TrackListener, ...]
-    sources: tuple[TrackSource, ...]
+    listeners: tuple[Listener, ...]
+    sources: tuple[Source, ...]
     samples: NDArray[np.int16]
     offsets: IntArray
     places: NDArray[np.float32]
@@ -190,22 +173,21 @@ class HapticTrack:
         first, last = self.offsets[k : k + 2].tolist()
         rows = slice(*self.rows[k : k + 2].tolist())
         sources = tuple(
-            map(
-                self._source,
+            replace(
+                self.sources[number],
+                position=tuple(place),
+                second_position=None,
+                amplitude=min(max(amplitude, 0.0), 1.0),
+            )
+            for number, amplitude, place in zip(
                 self.row_source[rows].tolist(),
                 self.row_amplitude[rows].tolist(),
                 self.row_place[rows].tolist(),
+                strict=True,
             )
         )
         listeners = tuple(
-            Listener(
-                item.name,
-                item.name,
-                tuple(place),
-                item.body_part,
-                radius=item.radius,
-                s_max=item.s_max,
-            )
+            item.moved(place)
             for item, place in zip(self.listeners, self.places[k].tolist(), strict=True)
         )
         gains = self.row_gain[rows].astype(np.float64)
@@ -239,21 +221,6 @@ class HapticTrack:
             sample_rate=float(self.sample_rate),
             milliseconds={},
             statistics={"sources": shape[0], "listeners": shape[1]},
-        )
-
-    def _source(self, number: int, amplitude: float, place: list[float]) -> Source:
-        item = self.sources[number]
-        position = place[0], place[1], place[2]
-        return Source(
-            item.name,
-            item.object,
-            position,
-            min(max(amplitude, 0.0), 1.0),
-            item.kind,
-            None,
-            item.second_object,
-            None,
-            item.onset,
         )
 
     @cached_property
@@ -349,30 +316,11 @@ def _number(value: Any, low: float, high: float) -> float:
     return float(value)
 
 
-def _text(value: Any, empty: bool = False) -> str:
-    if not isinstance(value, str) or not (empty or value) or len(value) > 1024:
-        raise ValueError("a name is missing")
-    return value
-
-
 def _track(header: Form, data: bytes, place: int) -> HapticTrack:
-    listeners = tuple(
-        TrackListener(
-            _text(name), _text(part, True), _number(radius, 0, 1e6), _number(s_max, 1e-9, 1)
-        )
-        for name, part, radius, s_max in header["listeners"]
-    )
-    sources = tuple(
-        TrackSource(
-            _text(name),
-            _text(obj),
-            None if second is None else _text(second),
-            _number(onset, -1e9, 1e9),
-        )
-        for name, obj, second, onset in header["sources"]
-    )
-    width = _count(len(listeners), MAX_LISTENERS)
-    _count(len(sources), MAX_SOURCES)
+    width = _count(len(header["listeners"]), MAX_LISTENERS)
+    _count(len(header["sources"]), MAX_SOURCES)
+    listeners = tuple(track_listener(*row) for row in header["listeners"])
+    sources = tuple(track_source(*row) for row in header["sources"])
     frames = _count(header["frames"], MAX_FRAMES)
     rows = _count(header["rows"], 1 << 28)
     samples = _count(header["samples"], MAX_BYTES // 2 // max(width, 1))
@@ -423,55 +371,59 @@ class BakeRecorder:
     def __init__(self) -> None:
         self._first: FrameResult | None = None
         self._first_sample: int | None = None
-        self._blocks: list[NDArray[np.int16]] = []
-        self._places: list[Any] = []
-        self._numbers: dict[TrackSource, int] = {}
-        self._rows: list[tuple[int, float, tuple[float, ...], FloatArray]] = []
-        self._row_counts: list[int] = []
+        self._frames: list[dict[str, NDArray[Any]]] = []
+        self._numbers: dict[Source, int] = {}
         self._impacts: dict[int, str] = {}
         self._room = MAX_IMPACTS
-        self._lines: list[FloatArray] = []
-        self._line_rows = [0]
+        self._lines = 0
 
     @property
     def frame_count(self) -> int:
         """Frames recorded so far."""
-        return len(self._blocks)
+        return len(self._frames)
 
     def add(self, result: FrameResult, impacts: str = "", mode: Mode = Mode.HT) -> None:
         """Record the next frame, traced in a ``mode``. ``impacts`` are left out beyond
         `MAX_IMPACTS`, paths beyond `MAX_LINES`."""
         lines = connections(result, mode).rows(result.graph)
-        kept = lines if self._line_rows[-1] + len(lines) <= MAX_LINES else lines[:0]
-        self._lines.append(kept.astype(np.float32))
-        self._line_rows.append(self._line_rows[-1] + len(kept))
+        lines = lines if self._lines + len(lines) <= MAX_LINES else lines[:0]
+        self._lines += len(lines)
         if 0 < len(impacts) <= self._room:
             self._impacts[result.number] = impacts
             self._room -= len(impacts)
         if self._first is None:
             self._first = result
-        if result.block is None:
-            self._blocks.append(np.zeros((len(result.listeners), 0), dtype=np.int16))
-        else:
-            if self._first_sample is None:
-                self._first_sample = result.first_sample
-            self._blocks.append(as_integers(result.block))
-        self._places.append([listener.position for listener in result.listeners])
-        for source, amplitudes in zip(result.sources, result.amplitudes, strict=True):
-            struck = (None, 0.0) if source.rubs else (source.second_object, source.onset)
-            item = TrackSource(source.name, source.object, *struck)
-            number = self._numbers.setdefault(item, len(self._numbers))
-            self._rows.append(
-                (number, source.amplitude, source.position, amplitudes.astype(np.float32))
-            )
-        self._row_counts.append(len(result.sources))
+        if result.block is not None and self._first_sample is None:
+            self._first_sample = result.first_sample
+        block = np.zeros((len(result.listeners), 0)) if result.block is None else result.block
+        places = [item.position for item in result.sources]
+        self._frames.append(
+            {
+                "samples": as_integers(block).T,
+                "places": np.array([[item.position for item in result.listeners]], dtype="f4"),
+                "row_source": np.array([*map(self._number, result.sources)], dtype="i4"),
+                "row_amplitude": np.array([item.amplitude for item in result.sources], dtype="f4"),
+                "row_place": np.array(places, dtype="f4").reshape(-1, 3),
+                "row_gain": result.amplitudes.astype("f4"),
+                "lines": lines.astype("f4"),
+            }
+        )
+
+    def _number(self, source: Source) -> int:
+        """The number of a source in the track."""
+        struck = () if source.rubs else (source.second_object, source.onset)
+        item = track_source(source.name, source.object, *struck)
+        return self._numbers.setdefault(item, len(self._numbers))
 
     def track(self, digest: Form, frame_duration: float) -> HapticTrack:
         """The track of all recorded frames. Raises ValueError if there are none."""
         if self._first is None:
             raise ValueError("There is no frame to keep")
-        listeners = self._first.listeners
-        count = len(self._rows)
+        arrays = {
+            name: np.concatenate([frame[name] for frame in self._frames])
+            for name in self._frames[0]
+        }
+        arrays["samples"] = np.ascontiguousarray(arrays["samples"].T)
         return HapticTrack(
             frame_start=self._first.number,
             frame_duration=frame_duration,
@@ -479,27 +431,21 @@ class BakeRecorder:
             sample_rate=round(self._first.sample_rate),
             first_sample=self._first_sample or 0,
             listeners=tuple(
-                TrackListener(item.name, item.body_part, item.radius, item.s_max)
-                for item in listeners
+                track_listener(item.name, item.body_part, item.radius, item.s_max)
+                for item in self._first.listeners
             ),
             sources=tuple(self._numbers),
-            samples=np.concatenate(self._blocks, axis=1),
-            offsets=np.cumsum([0, *(block.shape[1] for block in self._blocks)], dtype=np.int64),
-            places=np.array(self._places, dtype=np.float32).reshape(
-                len(self._places), len(listeners), 3
-            ),
-            rows=np.cumsum([0, *self._row_counts], dtype=np.int64),
-            row_source=np.array([row[0] for row in self._rows], dtype=np.int32),
-            row_amplitude=np.array([row[1] for row in self._rows], dtype=np.float32),
-            row_place=np.array([row[2] for row in self._rows], dtype=np.float32).reshape(count, 3),
-            row_gain=np.array([row[3] for row in self._rows], dtype=np.float32).reshape(
-                count, len(listeners)
-            ),
-            lines=np.concatenate(self._lines),
-            line_rows=np.array(self._line_rows, dtype=np.int64),
+            offsets=self._ends("samples"),
+            rows=self._ends("row_source"),
+            line_rows=self._ends("lines"),
             digest=digest,
             impacts=self._impacts,
+            **arrays,
         )
+
+    def _ends(self, name: str) -> IntArray:
+        """Where the frames begin in an array, and its end."""
+        return np.cumsum([0, *(len(frame[name]) for frame in self._frames)])
 
 
 def check_size(listeners: int, frames: int, frame_duration: float, sample_rate: float) -> None:

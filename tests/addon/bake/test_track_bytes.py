@@ -10,10 +10,10 @@ from haptic_tracing.addon.bake.track import (
     MAGIC,
     HapticTrack,
     TrackError,
-    TrackListener,
-    TrackSource,
     check_size,
     track_from_bytes,
+    track_listener,
+    track_source,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -45,9 +45,9 @@ def random_track(seed):
         start=float(random.uniform(-9, 9)),
         sample_rate=8000,
         first_sample=int(random.integers(-(10**6), 10**6)),
-        listeners=tuple(TrackListener(f"ω {k}", "hand.L", 0.05, 0.9) for k in range(width)),
+        listeners=tuple(track_listener(f"ω {k}", "hand.L", 0.05, 0.9) for k in range(width)),
         sources=tuple(
-            TrackSource(f"s{k}", "o", "p" if k % 2 else None, 0.25 * k) for k in range(many)
+            track_source(f"s{k}", "o", "p" if k % 2 else None, 0.25 * k) for k in range(many)
         ),
         samples=random.integers(-32767, 32768, (width, int(counts.sum()))).astype(np.int16),
         offsets=np.cumsum([0, *counts]).astype(np.int64),
