@@ -56,7 +56,9 @@ class BodyPoses:
         self._rest_pose[:, left] = columns[:, left]
         self.version[moved] += 1
         self.extents[..., moved] = table.extents(moved, pose, grow)
-        return columns, np.union1d(moved, gone), left, lost
+        if len(gone):
+            moved = np.union1d(moved, gone)
+        return columns, moved, left, lost
 
     def rest_here(self) -> None:
         """Count all bodies as at rest where they are."""

@@ -102,7 +102,7 @@ class BodyTable:
 
     def numbers(self, key: IntArray) -> IntArray:
         """The bodies (k, 2) of pairs by ``key``, smaller number first."""
-        return np.stack(np.divmod(key, max(len(self), 1)), axis=1)
+        return np.array(np.divmod(key, max(len(self), 1))).T
 
     def by_size(self, key: IntArray) -> tuple[IntArray, IntArray]:
         """Numbers of the larger and of the smaller body of each pair, by ``key``."""

@@ -18,19 +18,16 @@ _ROWS = 64
 """Largest number of boxes per step of the sweep."""
 
 
-def overlapping_pairs(bounds: FloatArray, active: BoolArray) -> IntArray:
-    """Pairs (p, 2) of boxes (n, 2, 3) that overlap or touch and of which at least one is ``active``
-    (n,): each once, smaller index first, sorted. A box with NaN overlaps nothing."""
-    count = len(bounds)
-    real = ~np.isnan(bounds).any(axis=(1, 2))
-    if not real.all():
-        number = np.flatnonzero(real)
-        return number[overlapping_pairs(bounds[real], active[real])]
-    low, high = np.ascontiguousarray(bounds.transpose(1, 2, 0))  # (3, n): compared along the boxes
+def overlapping_pairs(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
+    """Pairs (p,) of boxes with lowest and highest corners (3, n) that overlap or touch and of which
+    at least one is ``active`` (n,): for each ``a n + b`` of the boxes a < b, ascending. A box with
+    NaN overlaps nothing."""
+    count = len(active)
     few = int(active.sum()) * count <= _CHUNK
     first, second = _with_all(low, high, active) if few else _swept(low, high, active)
-    keys = np.sort(np.minimum(first, second) * count + np.maximum(first, second))
-    return np.stack([keys // max(count, 1), keys % max(count, 1)], axis=1)
+    pairs: IntArray = np.minimum(first, second) * count + np.maximum(first, second)
+    pairs.sort()
+    return pairs
 
 
 def _with_all(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
@@ -50,6 +47,9 @@ def _swept(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
     """The overlapping pairs (2, p) of `overlapping_pairs`, by a sweep along the axis in which the
     boxes spread most. Large boxes, which would be compared with nearly all in a sweep, are compared
     with all."""
+    real = np.flatnonzero(~np.isnan(low + high).any(axis=0))
+    if len(real) < len(active):
+        return real[_swept(low[:, real], high[:, real], active[real])]
     axis = int((high.max(axis=1) - low.min(axis=1)).argmax())
     extent = high[axis] - low[axis]
     large = extent > _LARGE * max(float(np.median(extent)), 0.0)
@@ -87,7 +87,7 @@ def _compared(
         step: boxes that are compared at a time.
     """
     found = [np.zeros((2, 0), dtype=np.int64)]
-    rows = np.flatnonzero(active)
+    rows = active.nonzero()[0]
     for k in range(0, len(rows), step):
         part = rows[k : k + step]
         near = slice(int(begin[part[0]]), int(end[part].max()))
@@ -102,5 +102,5 @@ def _compared(
         row = part[row]
         other = other + near.start
         kept = (row < other) | ((row > other) & ~active[other])
-        found.append(np.stack([row[kept], other[kept]]))
+        found.append(np.array([row[kept], other[kept]]))
     return np.concatenate(found, axis=1)

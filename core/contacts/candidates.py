@@ -95,7 +95,7 @@ class Candidates:
 
     def rows_of(self, key: IntArray) -> IntArray:
         """Where pairs (k,) by key stand; of one that is no candidate, where another one does."""
-        return np.minimum(np.searchsorted(self.key, key), len(self.key) - 1)
+        return np.minimum(self.key.searchsorted(key), len(self.key) - 1)
 
     @property
     def distance(self) -> FloatArray:
@@ -104,7 +104,7 @@ class Candidates:
 
     def bodies(self, rows: IntArray) -> IntArray:
         """Numbers (k, 2) of the larger and the smaller bodies of some pairs."""
-        return np.stack([self.larger[rows], self.smaller[rows]], axis=1)
+        return np.array([self.larger[rows], self.smaller[rows]]).T
 
     def one_of(self, bodies: BoolArray) -> BoolArray:
         """Which pairs (p,) have at least one of the ``bodies`` (n,)."""
@@ -172,7 +172,7 @@ class Candidates:
         distance = values[DISTANCE]
         return ContactSet(
             pairs=pairs,
-            positions=np.stack([first.T, second.T], axis=1),
+            positions=np.ascontiguousarray(np.array([first, second]).transpose(2, 0, 1)),
             normal=np.ascontiguousarray(normal.T),
             depth=np.maximum(-distance, 0.0),
             distance=distance,
@@ -205,7 +205,7 @@ def _weights(
     distance = values[DISTANCE]
     rest = _RESTING * tolerance
     near = 1.0 - smooth_step((distance - rest) / max(tolerance - rest, 1e-300))
-    if not np.any(near < 1):
+    if not (near < 1).any():
         return near
     touch = 1.0 - smooth_step((distance - rest) / max(rest, 1e-300))
     turn = values[_TURN].reshape(3, 3, -1)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import fields
+from functools import cache
 
 import numpy as np
 
@@ -81,6 +82,7 @@ class Hits:
     passes: BoolArray
 
     @classmethod
+    @cache
     def none(cls) -> Hits:
         """No hits."""
         number = np.zeros(0)

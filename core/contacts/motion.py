@@ -10,6 +10,7 @@ Poses are arrays (12, n): rotation by rows, then position.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -234,7 +235,7 @@ class MotionHistory:
         now, last, before = (self._poses[-k][9:] for k in (1, 2, 3))
         direct = (now - last) / step
         chord = (last - before) / known
-        weight = float(np.linalg.norm(gravity))
+        weight = math.sqrt(gravity @ gravity)
         bend = np.sqrt(_squared(direct - chord)) * (2 / (step + known))
         if len(self.times) > 3:
             older = self.times[-3] - self.times[-4]
@@ -243,7 +244,7 @@ class MotionHistory:
                 np.sqrt(_squared(chord - (before - self._poses[-4][9:]) / older))
                 * (2 / (known + older)),
             )
-        bend = np.clip(np.nan_to_num(bend), weight, _PLAUSIBLE * weight)
+        bend = np.fmin(np.fmax(bend, weight), _PLAUSIBLE * weight)
         return np.sqrt(np.fmax(_squared(direct), _squared(chord))) + bend * (step + known / 2)
 
     def drift(self, bodies: IntArray) -> FloatArray:
@@ -281,7 +282,7 @@ class MotionHistory:
         now = end[9:]
         last = start[9:]
         before = earlier[9:]
-        weight = float(np.linalg.norm(gravity))
+        weight = math.sqrt(gravity @ gravity)
         chord = (last - before) / known
         direct = (now - last) / step
         clean = self._since_disturbed - 1  # undisturbed intervals up to the start of the path

@@ -43,11 +43,11 @@ class NearPairs:
         self._wide[..., rows] = extents[..., rows] + _WIDENING + ahead
         escaped = np.zeros(len(table), dtype=np.bool_)
         escaped[rows] = True
-        bounds = np.stack([-self._wide[0].T, self._wide[1].T], axis=1)
-        key = table.keys(overlapping_pairs(bounds, escaped))
+        key = overlapping_pairs(-self._wide[0], self._wide[1], escaped)
         if len(rows) < len(table):
             stays = ~(escaped[self.larger] | escaped[self.smaller])
-            key = np.sort(np.concatenate([self.key[stays], key]))
+            key = np.concatenate([self.key[stays], key])
+            key.sort()
         if not np.array_equal(key, self.key):
             self._take(table, key)
 

@@ -57,14 +57,14 @@ def points_array(key: str, value: ArrayLike) -> FloatArray:
 
 
 def rotation_matrix(rotation: ArrayLike) -> FloatArray:
-    """The matrices (..., 3, 3) of unit quaternions (..., 4): w, x, y, z."""
-    w, x, y, z = np.moveaxis(np.asarray(rotation, dtype=np.float64), -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    """The matrices (n, 3, 3) of unit quaternions (n, 4), or that of one: w, x, y, z."""
+    w, x, y, z = np.asarray(rotation, dtype=np.float64).T
+    columns = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+        [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+        [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
     ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+    return np.array(columns).T
 
 
 def pose_matrix(pose: Pose) -> FloatArray:

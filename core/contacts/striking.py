@@ -23,6 +23,7 @@ class Striking:
         self._settings = settings
         self.least = min(item.least_energy for item in settings.all_limits())
         self._gravity = np.array(settings.gravity) * settings.time_scale**2
+        self._weight = float(np.linalg.norm(settings.gravity)) * settings.time_scale**2
         self._turning = settings.energy is ImpactEnergy.NORMAL
 
     def _energies(self, table: BodyTable, speed: FloatArray) -> FloatArray:
@@ -38,15 +39,10 @@ class Striking:
     def soon(self, table: BodyTable, history: MotionHistory) -> BoolArray:
         """Which bodies (n,) may take part in an impact within the next `_FRAMES_AHEAD` frames: all
         that move and have a mass, as soon as one of them may have the energy for it."""
-        gain = (
-            float(np.linalg.norm(self._settings.gravity))
-            * self._settings.time_scale**2
-            * history.step
-            * _FRAMES_AHEAD
-        )
+        gain = self._weight * history.step * _FRAMES_AHEAD
         energy = self._energies(table, history.speeds() + gain)
         moving = history.moving()
-        return moving & (table.mass > 0) & np.any(moving & (energy >= self.least / 2))
+        return moving & (table.mass > 0) & (moving & (energy >= self.least / 2)).any()
 
     def paths(
         self, table: BodyTable, history: MotionHistory, airborne: BoolArray
@@ -55,7 +51,7 @@ class Striking:
         fast enough for an impact. ``airborne`` as in `MotionHistory.paths`."""
         if not self._turning:
             energy = self._energies(table, history.speed_bound(self._gravity))
-            if not np.any(energy >= self.least / 2):
+            if not (energy >= self.least / 2).any():
                 return None
         paths = history.paths(~table.dynamic, airborne, self._gravity)
         if paths is None:
@@ -64,4 +60,4 @@ class Striking:
         if self._turning:
             speed += np.sqrt(dot(paths.spin, paths.spin)) * table.reach
         energy = self._energies(table, speed)
-        return (paths, energy) if np.any(energy >= self.least / 2) else None
+        return (paths, energy) if (energy >= self.least / 2).any() else None

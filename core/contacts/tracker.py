@@ -65,21 +65,17 @@ class Endpoints:
 
 @frozen
 class FrameContacts:
-    """The contacts of one frame, and what has changed since the last one.
+    """The contacts of one frame.
 
     Attributes:
         contacts: sorted by the numbers of the bodies; the same object as in the last frame where
             nothing has changed.
-        began: pairs (k, 2) that touch and did not in the last frame.
-        ended: pairs (k, 2) that touched in the last frame and do not now.
-        impacts: sorted by time.
+        impacts: since the last frame, sorted by time.
         statistics: work of the update.
         warnings: about objects.
     """
 
     contacts: ContactSet
-    began: IntArray
-    ended: IntArray
     impacts: tuple[Impact, ...]
     statistics: ContactStatistics
     warnings: tuple[Message, ...]
@@ -116,10 +112,10 @@ class ContactTracker:
         self._recent = RecentImpacts(self.settings)
         self._airborne = self._table.dynamic.copy()
         self._new = np.ones(count, dtype=np.bool_)  # bodies without an update so far
-        self._queries, self._began = 0, 0.0
+        self._queries, self._begun = 0, 0.0
         self._last: FrameContacts | None = None
         self._last_endpoints: Endpoints | None = None
-        self._reported = np.zeros((0, 3), dtype=np.int64)
+        self._reported = np.zeros((3, 0), dtype=np.int64)
 
     def history(self) -> tuple[FloatArray | IntArray | BoolArray, ...]:
         """The state that later frames depend on, except their own poses: motion, contacts, and
@@ -227,7 +223,7 @@ class ContactTracker:
         if not continuous or (self._history.times and time <= self._history.times[-1]):
             self.reset()
         self._queries = 0
-        self._began = perf_counter()
+        self._begun = perf_counter()
         moved, warnings = self._place(time, transforms)
         if exact:
             self._poses.rest_here()
@@ -273,9 +269,8 @@ class ContactTracker:
 
     def _unchanged(self, warnings: tuple[Message, ...]) -> FrameContacts:
         assert self._last is not None
-        none = np.zeros((0, 2), dtype=np.int64)
-        statistics = ContactStatistics(len(self._pairs.key), 0, perf_counter() - self._began)
-        return FrameContacts(self._last.contacts, none, none, (), statistics, warnings)
+        statistics = ContactStatistics(len(self._pairs.key), 0, perf_counter() - self._begun)
+        return FrameContacts(self._last.contacts, (), statistics, warnings)
 
     def _near_pairs(self, moved: IntArray, impacts: bool) -> HitSearch | None:
         """Update the near pairs. Returns the search for hits between them, None if nothing is fast
@@ -327,7 +322,7 @@ class ContactTracker:
         warnings: tuple[Message, ...],
         exact: bool,
     ) -> FrameContacts:
-        """The contacts of this frame, and what has changed.
+        """The contacts of this frame.
 
         Args:
             endpoints: as in `update`.
@@ -338,13 +333,12 @@ class ContactTracker:
         """
         table = self._table
         old = self._pairs
-        touched = old.key[old.touching & old.examined]
         struck = old.key[old.struck]
         met = self._near.met(self._poses.extents)
         pairs = self._pairs = old.carried_to(
             self._near.key[met], self._near.larger[met], self._near.smaller[met]
         )
-        broad = perf_counter() - self._began
+        broad = perf_counter() - self._begun
         fresh = pairs.fresh(self._poses)
         requested = self._requested(endpoints, striking, search)
         examined = requested | fresh
@@ -354,7 +348,6 @@ class ContactTracker:
             examined |= among(pairs.key, search.keys)
         self._examine_last_frame((examined & ~pairs.examined).nonzero()[0])
         before = pairs.touching & pairs.examined
-        apart = ~pairs.touching & pairs.examined
         distance = pairs.distance.copy()
         queried = examined & ~fresh
         rows = queried.nonzero()[0]
@@ -378,16 +371,13 @@ class ContactTracker:
             warnings += self._uncertain(impacts)
         pairs.touching &= examined
         pairs.examined = examined
-        new = pairs.one_of(self._new)
-        self._settle(before, distance, impacts, new)
+        self._settle(before, distance, impacts)
         if search is not None:
             self._history.disturb(self._history.deviated(search.paths) & table.dynamic)
             self._history.hit(hits.pairs, hits.time)
         reported = pairs.touching & requested & (pairs.distance <= self.settings.tolerance)
         return FrameContacts(
             contacts=self._reported_contacts(reported.nonzero()[0], exact),
-            began=table.numbers(pairs.key[reported & apart & ~new]),
-            ended=table.numbers(touched[~among(touched, pairs.key[pairs.touching | ~examined])]),
             impacts=impacts,
             statistics=ContactStatistics(len(pairs.key), self._queries, broad),
             warnings=warnings,
@@ -426,7 +416,6 @@ class ContactTracker:
         before: BoolArray,
         distance: FloatArray,
         impacts: Sequence[Impact],
-        new: BoolArray,
     ) -> None:
         """Update which pairs make no further impact until they part, and which bodies are in free
         flight.
@@ -435,14 +424,13 @@ class ContactTracker:
             before: whether each pair touched in the last frame (p,).
             distance: of the pairs in the last frame (p,) [m].
             impacts: of this frame.
-            new: whether one of the bodies was not in the last frame (p,).
         """
         pairs = self._pairs
         settled = before & (distance - pairs.distance <= _CREEP * self._history.step)
         if impacts:
             hit = self._table.keys(np.array([impact.objects for impact in impacts]))
             settled |= among(pairs.key, np.sort(hit))
-        pairs.struck = pairs.touching & (pairs.struck | settled | new)
+        pairs.struck = pairs.touching & (pairs.struck | settled | pairs.one_of(self._new))
         self._airborne = self._table.dynamic.copy()
         self._airborne[pairs.bodies(pairs.struck.nonzero()[0])] = False
 
@@ -451,8 +439,8 @@ class ContactTracker:
         # Whether a pair has parted depends on the past, by the slack; its contact only on the
         # poses.
         pairs = self._pairs
-        versions = self._poses.version[pairs.bodies(rows)]
-        state = np.concatenate([pairs.key[rows][:, None], versions], axis=1)
+        versions = (self._poses.version[bodies[rows]] for bodies in (pairs.larger, pairs.smaller))
+        state = np.array([pairs.key[rows], *versions])
         computed = exact and self._queries > 0
         if self._last is not None and not computed and np.array_equal(state, self._reported):
             return self._last.contacts

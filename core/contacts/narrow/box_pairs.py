@@ -128,7 +128,7 @@ class BoxPairs:
         found = _contacts(boxes, limit + radius)
         area, normal, centre = found.area, found.normal, found.centre
         first, second = pairs.T
-        if np.any(radius > 0):
+        if (radius > 0).any():
             area = area * self._flatness(first, second, boxes, normal)
             centre = centre + normal * ((boxes.radius_a - boxes.radius_b) / 2)
         if self._placed:

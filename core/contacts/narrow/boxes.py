@@ -9,8 +9,6 @@ computed together.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray, IntArray, replace_rows
@@ -164,7 +162,6 @@ def _near_contacts(distance: FloatArray, axis: IntArray, boxes: _Boxes) -> BoxCo
     # Each centre is moved by ``share`` of the way from where the faces overlap to the mean of the
     # nearest corners.
     share = thin * found.exact
-    lying = found.centre
     if len(edges):
         patched = aligned & (found.area[edges] > 0)
         # How much the patch of the faces counts: 0 where they overlap elsewhere than at the edges.
@@ -174,10 +171,12 @@ def _near_contacts(distance: FloatArray, axis: IntArray, boxes: _Boxes) -> BoxCo
         found.area[edges] *= share_of_faces
         found.normal[:, edges] = points.normal
         middle = (points.first + points.second) / 2
-        lying[:, edges] = np.where(
-            share_of_faces > 0, middle + share_of_faces * (lying[:, edges] - middle), middle
+        centre = found.centre[:, edges]
+        found.centre[:, edges] = np.where(
+            share_of_faces > 0, middle + share_of_faces * (centre - middle), middle
         )
-    return replace(found, centre=_with_nearest_corners(found, lying, share, boxes))
+    _move_to_nearest_corners(found, share, boxes)
+    return found
 
 
 def _faces(
@@ -346,12 +345,10 @@ def _added(terms: FloatArray) -> FloatArray:
     return terms[..., 0, :] + terms[..., 1, :]
 
 
-def _with_nearest_corners(
-    found: BoxContacts, centre: FloatArray, share: FloatArray, boxes: _Boxes
-) -> FloatArray:
-    """The ``centre`` (3, p), moved by ``share`` (p,) of the way to the mean of the corners whose
+def _move_to_nearest_corners(found: BoxContacts, share: FloatArray, boxes: _Boxes) -> None:
+    """Move each centre ``found`` by ``share`` (p,) of the way to the mean of the corners whose
     distance to the other box, or depth in it along the normal, is nearly the least; this mean lies
-    in the plane of the centre ``found``, which has a small weight of its own.
+    in the plane of the centre, which has a small weight of its own.
 
     Completes the contacts that are not exact: boxes apart whose nearest points are a corner of one
     and any point of the other. Parallel edges that face each other are equally near all along; the
@@ -359,7 +356,7 @@ def _with_nearest_corners(
     """
     rows = ((share > 0) | ~found.exact).nonzero()[0]
     if len(rows) == 0:
-        return centre
+        return
     corners = _Corners.of(*_rows(rows, boxes))
     least = found.distance[rows]
     normal = found.normal.take(rows, axis=1)
@@ -383,6 +380,4 @@ def _with_nearest_corners(
     own = _LEAST_WEIGHT * exact
     mean = (own * middle + total) / (own + weight)
     mean += normal * (dot(normal, middle - mean) * exact)
-    lying = centre.take(rows, axis=1)
-    centre[:, rows] = lying + part * (mean - lying)
-    return centre
+    found.centre[:, rows] = middle + part * (mean - middle)

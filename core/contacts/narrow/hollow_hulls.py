@@ -36,7 +36,8 @@ class HollowHulls:
             ]
         )
         self._size = np.zeros(len(shapes))
-        if np.isfinite(self._depth).any():
+        self._any = bool(np.isfinite(self._depth).any())
+        if self._any:
             self._size[:] = [np.ptp(s.local_bounds(), axis=0).min() for s in shapes]
 
     def measure(self, body: int, bounds: FloatArray) -> None:
@@ -48,6 +49,8 @@ class HollowHulls:
     ) -> None:
         """Correct the patches ``found`` of ``pairs`` (p, 2), placed as in `NarrowPhase`, in
         place."""
+        if not self._any:
+            return
         depth = self._depth[pairs].min(axis=1)
         most = np.minimum(depth, self._size[pairs].min(axis=1) / 2)
         for k in np.flatnonzero(np.isfinite(depth) & (found.distance < _SAME - most)).tolist():
