@@ -11,6 +11,7 @@ from . import answer
 def run(args: argparse.Namespace) -> int:
     """Write the tables and the page into the folder. Returns exit code 0."""
     written = [str(path) for path in analyse(args.folder)]
-    print(*(f"wrote {path}" for path in written), sep="\n")
+    for path in written:
+        print(f"wrote {path}")
     answer(args, {"files": written})
     return 0

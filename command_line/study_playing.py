@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Mapping
+from contextlib import suppress
 from statistics import median
 
 from ..core.arrays import FloatArray
@@ -34,22 +34,24 @@ class FilmPlayer:
     """
 
     def __init__(self, stage: DeviceStage) -> None:
-        self._stage, self._outputs = stage, stage.outputs
+        self._stage = stage
         self.halted = ""
         self._lock = threading.RLock()
         self._begin({})
         threading.Thread(target=self._run, name="haptics film", daemon=True).start()
 
-    def _begin(self, tracks: Mapping[str, FloatArray]) -> None:
+    def _begin(self, tracks: dict[str, FloatArray]) -> None:
         """Fall silent, and play these tracks with the next picture."""
-        self._tracks = tracks
-        self._losses = {key: self._outputs[key].status.losses for key in tracks}
+        self._tracks = [
+            (self._stage.outputs[key], samples, self._stage.outputs[key].status.losses)
+            for key, samples in tracks.items()
+        ]
         self._zeros: deque[float] = deque(maxlen=_PICTURES)
         self._zero = self._shown = self._late = 0.0
         self._sent = self._next = 0
         self._stage.stop()
 
-    def load(self, tracks: Mapping[str, FloatArray]) -> None:
+    def load(self, tracks: dict[str, FloatArray]) -> None:
         """Play these tracks (actuators, n) of each device from the first picture on. A device whose
         touch comes late begins as much earlier."""
         with self._lock:
@@ -88,19 +90,19 @@ class FilmPlayer:
 
     def resume(self) -> None:
         """Let devices play again, those that were lost as well."""
-        self.halted, end = "", time.monotonic() + PATIENCE
-        for output in self._outputs.values():
-            while (status := output.status).state != "open" and time.monotonic() < end:
-                if status.is_over:
-                    output.start()
-                time.sleep(_LOOK)
+        self.halted = ""
+        for output in self._stage.outputs.values():
+            if output.status.is_over:
+                output.start()
+            with suppress(OSError):  # `load` says why it is not
+                output.wait_until_open(PATIENCE)
 
     def _check(self) -> None:
         """Halt if a device that plays was lost, even if it is there again."""
-        for key, losses in self._losses.items():
-            status, title = self._outputs[key].status, self._outputs[key].profile.title
+        for output, _, losses in self._tracks:
+            status = output.status
             if status.state != "open" or status.losses > losses:
-                self.halt(f"{title}: {status.message or 'it was disconnected'}")
+                self.halt(f"{output.profile.title}: {status.message or 'it was disconnected'}")
 
     def _run(self) -> None:
         """The thread that sends blocks when they are due."""
@@ -119,8 +121,7 @@ class FilmPlayer:
     def _send(self, due: float) -> None:
         """Send the next block of each device, and what follows in case that the next is late."""
         played = 0
-        for key, samples in self._tracks.items():
-            output = self._outputs[key]
+        for output, samples, _ in self._tracks:
             lead = round(RATE * getattr(output.profile, "latency", 0.0))
             rest = samples[:, self._next + lead :]
             if rest.size:

@@ -53,7 +53,7 @@ def _haptic_tracing(*arguments: Any) -> None:
     """Run a command of this program. Raises ValueError where it fails."""
     command = [sys.executable, "-m", "haptic_tracing", *map(str, arguments)]
     if subprocess.run(command).returncode:
-        raise ValueError(" ".join(command[2:]) + " has failed")
+        raise ValueError(f"haptic-tracing {arguments[0]} has failed")
 
 
 def _render(blend: Path, film: Path, settings: list[str], section: Form) -> None:
@@ -69,7 +69,8 @@ def _render(blend: Path, film: Path, settings: list[str], section: Form) -> None
             f"{film.stem}: {render.engine} needs OpenGL; give the scene a film, or add "
             '"scene.render.engine=CYCLES" to film_settings'
         )
-    scene.frame_start, scene.frame_end = section.get("frames", (scene.frame_start, scene.frame_end))
+    if "frames" in section:
+        scene.frame_start, scene.frame_end = section["frames"]
     part = film.with_name(f"part of {film.name}")
     render.filepath = str(part)
     with suspended():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -60,7 +59,7 @@ def _resonator(frequency: FloatArray, corner: float, quality: float = math.sqrt(
 
 
 def daily(
-    tracks: Collection[Channel], actuators: Collection[tuple[float, FullScale | None]], part: str
+    tracks: list[Channel], actuators: list[tuple[float, FullScale | None]], part: str
 ) -> float:
     """A(8) [m/s^2] at a body part from all that is played there in a day; of several actuators the
     largest. NaN where neither a track nor its actuator is calibrated.

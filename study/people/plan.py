@@ -7,7 +7,7 @@ import json
 import random
 import shutil
 import tomllib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ def read_form(folder: Path) -> JsonObject:
         shutil.copyfile(HERE / "template.toml", path)
         raise ValueError(f"{path}: new; fill in the consent and the items of the questionnaire")
     try:
-        form = tomllib.loads(path.read_text(encoding="utf-8"))
+        form = tomllib.loads(path.read_text("utf-8"))
     except ValueError as error:
         raise ValueError(f"{path}: not TOML: {error}") from None
     validate(form, "people_study", path)
@@ -67,7 +67,7 @@ def begin(
     folder: Path,
     form: Form,
     participants: int,
-    listeners: Sequence[str],
+    listeners: list[str],
     levels: Form,
 ) -> JsonObject:
     """The plan of the folder, written once, with an order for each of the ``participants``; later
@@ -83,33 +83,33 @@ def begin(
     Raises:
         ValueError: the form or a track has changed since the study began.
     """
-    path = folder / PLAN
-    before = read_plan(folder) if path.exists() else {"form": form, "levels": levels, "orders": {}}
-    if (before["form"], before["levels"]) != (form, levels):
-        raise ValueError(
-            f"{folder}: {FORM} or the tracks have changed since the study began; put back what was "
-            "there, or begin another study in another folder"
-        )
-    count = max(participants, len(before["orders"]))
-    plan = {
+    plan: JsonObject = {
         "format": "haptic-study",
         "version": 2,
         "form": form,
         "listeners": listeners,
         "levels": levels,
-        "orders": orders(form["conditions"], form["scenes"], count, form.get("seed", 0)),
+        "orders": {},
     }
+    path = folder / PLAN
+    before = read_plan(folder) if path.exists() else plan
+    if before != {**plan, "orders": before["orders"]}:
+        raise ValueError(
+            f"{folder}: {FORM} or the tracks have changed since the study began; put them back, "
+            "or begin another study in another folder"
+        )
+    count = max(participants, len(before["orders"]))
+    plan["orders"] = orders(form, count)
     write_json(path, plan)
     return plan
 
 
-def orders(
-    conditions: Iterable[str], scenes: Iterable[str], participants: int, seed: int
-) -> dict[str, list[JsonObject]]:
+def orders(form: Form, participants: int) -> dict[str, list[JsonObject]]:
     """The steps of each participant, with conditions and the scenes within each of them in balanced
     orders. The first participants' are the same however many there are."""
-    rows = balanced_rows([*conditions], f"conditions {seed}")
-    sections = balanced_rows([*scenes], f"scenes {seed}")
+    seed = form.get("seed", 0)
+    rows = balanced_rows([*form["conditions"]], f"conditions {seed}")
+    sections = balanced_rows([*form["scenes"]], f"scenes {seed}")
     found = {}
     for number in range(participants):
         order = next(rows)
@@ -124,7 +124,7 @@ def orders(
     return found
 
 
-def balanced_rows(names: Sequence[str], seed: str) -> Iterator[list[str]]:
+def balanced_rows(names: list[str], seed: str) -> Iterator[list[str]]:
     """The rows of one balanced Latin square of the names after another (E. J. Williams, Aust. J.
     Sci. Res. A 2 (1949) 149), in random order: in each square every name stands at each place, and
     follows each other one, equally often. An odd number of names takes twice as many rows."""

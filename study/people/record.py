@@ -5,23 +5,24 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import pandas
 from pandas import DataFrame
 
+from ...core.formats.io.schema import validate
 from ...core.forms import Form, JsonObject
 
 PLAN = "study.json"
-_STEP = ["participant", "step", "position", "condition", "scene"]
+_STEP = ["participant", "excluded", "step", "position", "condition", "scene"]
 
 
 def read_plan(folder: Path) -> JsonObject:
     """The plan of a study. Raises ValueError if the folder holds none."""
     try:
-        plan: JsonObject = json.loads((folder / PLAN).read_text(encoding="utf-8"))
+        plan: JsonObject = json.loads((folder / PLAN).read_text("utf-8"))
     except FileNotFoundError:
         raise ValueError(f"{folder}: no study; `haptic-tracing study run` begins one") from None
     return plan
@@ -35,9 +36,9 @@ def read_steps(path: Path) -> list[JsonObject]:
 
 
 def add_step(path: Path, step: Form) -> None:
-    """Append a step with the time, on the disk when this returns; a line that was cut off is
-    replaced."""
-    line = json.dumps({**step, "at": datetime.now(UTC).isoformat(timespec="milliseconds")})
+    """Append a step or a note with the time, on the disk when this returns; a line that was cut
+    off is replaced."""
+    line = json.dumps({**step, "at": datetime.now(UTC).isoformat()})
     with path.open("a+b", buffering=0) as file:
         file.seek(0)
         file.truncate(file.read().rfind(b"\n") + 1)
@@ -45,28 +46,50 @@ def add_step(path: Path, step: Form) -> None:
         os.fsync(file.fileno())
 
 
+class Sitting:
+    """The progress of one participant through the study. What is done is what the file says, so
+    that an interrupted sitting resumes.
+
+    path: of the file. steps: all. done: how many of them are."""
+
+    def __init__(self, folder: Path, participant: str, plan: Form) -> None:
+        """Raises KeyError for somebody who is not in the plan."""
+        self.participant, self.steps = participant, plan["orders"][participant]
+        self.path = folder / f"{participant}.jsonl"
+        self.done = sum("answer" in step for step in read_steps(self.path))
+
+    @property
+    def step(self) -> JsonObject:
+        """The next step; none after the last."""
+        return self.steps[self.done] if self.done < len(self.steps) else {}
+
+    def take(self, number: int, rows: Any, seconds: float) -> None:
+        """Write the answer to step ``number``, if that is the next one: rows of item and value, and
+        of x and y where something was felt. Raises ValueError if they are none."""
+        if self.step and number == self.done:
+            validate(rows, "people_answer", "answer")
+            add_step(self.path, {**self.step, "answer": rows, "seconds": round(seconds, 2)})
+            self.done += 1
+
+
 def tidy(folder: Path, plan: Form) -> DataFrame:
     """All answers of a study: a row for each observation, and why its participant is excluded by
     the rules of the plan, if so."""
     taken: list[JsonObject] = []
-    excluded = {}
     for participant in plan["orders"]:
         steps = [step for step in read_steps(folder / f"{participant}.jsonl") if "answer" in step]
-        if steps:
-            excluded[participant] = _excluded(steps, plan["form"]["exclusion"])
-        taken += [{"participant": participant, **step} for step in steps]
+        why = _excluded(steps, plan["form"]["exclusion"])
+        taken += [{"participant": participant, "excluded": why, **step} for step in steps]
     table = pandas.json_normalize(taken, "answer", _STEP, errors="ignore")
-    table = table.reindex(columns=[*_STEP, "item", "value", "x", "y"])
-    table["excluded"] = table["participant"].map(excluded)
-    return table
+    return table.reindex(columns=[*_STEP, "item", "value", "x", "y"])
 
 
-def _excluded(steps: Sequence[Form], rules: Form) -> str:
+def _excluded(steps: list[JsonObject], rules: Form) -> str:
     """Why a participant is excluded, or ""."""
     rated = [step for step in steps if step["step"] == "rate"]
     values = {row["value"] for step in rated for row in step["answer"]}
     least = rules["seconds_per_item"]
-    if rules["incomplete"] and steps[-1]["step"] != "end":
+    if rules["incomplete"] and all(step["step"] != "end" for step in steps):
         return "not finished"
     if rules["same_answers"] and len(values) == 1:
         return "the same answer to every question"

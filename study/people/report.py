@@ -7,23 +7,21 @@ import tomllib
 from html import escape
 from pathlib import Path
 from string import Template
-from typing import get_args
 
 from pandas import DataFrame, Series
 
-from ...core.formats.io.atomic import write_bytes
-from ...core.forms import Form
-from ...core.scene.body_map import View
-from .body import svg
+from ...core.formats.io.atomic import write_text
+from ...core.forms import Form, JsonObject
+from .body import body
 from .plan import HERE
 from .record import read_plan, scores, tidy
-from .statistics import Row, friedman, pairs, share
+from .statistics import friedman, pairs, share
 
 FEWEST = 6
 """People below whose number nothing is tested."""
 LEAST_MISSED = 100.0
 """Milliseconds of a section from which on it is listed if they were not played."""
-PUBLISHED = tomllib.loads((HERE / "published.toml").read_text(encoding="utf-8"))
+PUBLISHED = tomllib.loads((HERE / "published.toml").read_text("utf-8"))
 """What the paper prints."""
 
 
@@ -39,9 +37,7 @@ def analyse(folder: Path) -> list[Path]:
     factors = {name: rated[name] for name in rated.columns.unique(0) if len(rated) >= FEWEST}
     reasons = answers.groupby("participant")["excluded"].first()
     missed = answers[answers["item"] == "missed_ms"].astype({"value": float})
-    missed = missed.loc[
-        missed["value"] > LEAST_MISSED, ["participant", "condition", "scene", "value"]
-    ]
+    missed = missed[missed["value"] > LEAST_MISSED].rename(columns={"value": "ms"})
     places, maps = _places(kept, plan)
     tables = {
         "excluded": reasons[reasons != ""].reset_index(),
@@ -56,9 +52,9 @@ def analyse(folder: Path) -> list[Path]:
             for row in pairs(ratings, form["smallest_effect"])
         ),
         "places": DataFrame(places),
-        "missed": missed.rename(columns={"value": "ms"}),
+        "missed": missed[["participant", "condition", "scene", "ms"]],
     }
-    text = Template((HERE / "analysis.html").read_text(encoding="utf-8")).substitute(
+    text = Template((HERE / "analysis.html").read_text("utf-8")).substitute(
         {
             name: table.to_html(
                 index=False, na_rep="", border=0, classes="numbers", float_format="%.3g"
@@ -66,7 +62,7 @@ def analyse(folder: Path) -> list[Path]:
             for name, table in tables.items()
         },
         title=escape(form["title"]),
-        style=(HERE.parent / "report.css").read_text(encoding="utf-8"),
+        style=(HERE.parent / "report.css").read_text("utf-8"),
         count=len(reasons),
         planned=len(plan["orders"]),
         kept=(reasons == "").sum(),
@@ -75,14 +71,13 @@ def analyse(folder: Path) -> list[Path]:
         effect=form["smallest_effect"],
         maps=maps,
     )
-    files = {"analysis.html": text, "answers.csv": answers.to_csv(index=False)}
-    files |= {f"{name}.csv": table.to_csv(index=False) for name, table in tables.items()}
-    for name, content in files.items():
-        write_bytes(folder / name, content.encode())
-    return [folder / name for name in files]
+    tables["answers"] = answers
+    files = {f"{name}.csv": table.to_csv(index=False) for name, table in tables.items()}
+    files["analysis.html"] = text
+    return [write_text(folder / name, [content]) for name, content in files.items()]
 
 
-def _preferred(order: DataFrame) -> list[Row]:
+def _preferred(order: DataFrame) -> list[JsonObject]:
     """First choices and mean ranks by condition."""
     first = (order == 1).sum()
     return [
@@ -94,22 +89,28 @@ def _preferred(order: DataFrame) -> list[Row]:
     ]
 
 
-def _places(kept: DataFrame, plan: Form) -> tuple[list[Row], str]:
+def _places(kept: DataFrame, plan: Form) -> tuple[list[JsonObject], str]:
     """Where vibration was felt against where it was: rows, and maps as HTML."""
     rows, maps = [], ""
-    placed = kept[kept["step"] == "place"]
-    for (scene, condition), group in placed.groupby(["scene", "condition"], sort=False):
+    placed = kept[kept["step"] == "place"].groupby(["scene", "condition"], sort=False)
+    for (scene, condition), group in placed:
         listeners = Series(plan["levels"][condition][scene], plan["listeners"])
         levels = (listeners**2).groupby(level=0, sort=False).sum() ** 0.5  # of each body part
         felt, noticed = group.dropna(subset="x"), group.loc[group["item"] == "noticed", "value"]
-        row: Row = {"scene": scene, "condition": condition, "strongest": levels.idxmax()}
-        row |= share("noticed", noticed.sum(), len(noticed))
-        rows.append(row | {"at the strongest": (felt["value"] == levels.idxmax()).mean()})
+        strongest = levels.idxmax()
+        rows.append(
+            {
+                "scene": scene,
+                "condition": condition,
+                "strongest": strongest,
+                **share("noticed", noticed.sum(), len(noticed)),
+                "at the strongest": (felt["value"] == strongest).mean(),
+            }
+        )
         shares = (levels / (levels.max() or 1.0)).to_dict()
-        for view in get_args(View):
-            dots = felt.loc[felt["item"] == view, ["x", "y"]].to_numpy(float)
-            caption = escape(f"{scene}, {condition}, {view}")
-            maps += f"<figure>{svg(view, shares, dots)}<figcaption>{caption}</figcaption></figure>"
+        picture = body(shares, *felt[["item", "x", "y"]].to_numpy())
+        caption = escape(f"{scene}, {condition}")
+        maps += f"<figure>{picture}<figcaption>{caption}</figcaption></figure>"
     return rows, maps
 
 

@@ -11,20 +11,18 @@ from scipy import special, stats
 
 from ...core.forms import JsonObject
 
-CONFIDENCE = 0.95
-_TAIL = (1 - CONFIDENCE) / 2
+_TAIL = 0.025
+"""Probability beyond each end of an interval of 95 %."""
 _EFFICIENCY = 3 / math.pi
 """Asymptotic relative efficiency of Wilcoxon's test to the t test for normal differences."""
 
-Row = JsonObject
 
-
-def estimate(name: str, value: float, low: float, high: float) -> Row:
+def estimate(name: str, value: float, low: float, high: float) -> JsonObject:
     """An estimate with its confidence interval, as columns of a table."""
     return {name: value, f"{name} low": low, f"{name} high": high}
 
 
-def friedman(ratings: DataFrame) -> Row:
+def friedman(ratings: DataFrame) -> JsonObject:
     """Friedman's test of ratings (people, conditions), corrected for ties, with Kendall's W.
 
     W is the squared length of the mean rank vector. Its interval inverts the noncentral F
@@ -36,15 +34,15 @@ def friedman(ratings: DataFrame) -> Row:
     squares, sums = (ranks**2).sum(axis=1), ranks.sum(axis=0)
     if not squares.any():
         return {"people": people, "chi-square": 0.0, "p": 1.0, **estimate("W", 0.0, 0.0, 1.0)}
-    w = float(sums @ sums / (people * squares.sum()))
+    w = sums @ sums / (people * squares.sum())
     others = np.maximum(squares.sum() - squares, 0.5)
     lengths = np.sqrt(((sums - ranks) ** 2).sum(axis=1) / ((people - 1) * others))
     variance = max(lengths.var() * (people - 1), w / 1000)  # also where all agree
     degrees = count - 1, (people - 1) * (count - 1)
     distances = special.ncfdtrinc(*degrees, [1 - _TAIL, _TAIL], w / variance / degrees[0])
     square = w * people * degrees[0]
-    p = float(stats.chi2.sf(square, degrees[0]))
-    bounds = np.minimum(distances * variance, 1.0).tolist()
+    p = stats.chi2.sf(square, degrees[0])
+    bounds = np.minimum(distances * variance, 1.0)
     return {"people": people, "chi-square": square, "p": p, **estimate("W", w, *bounds)}
 
 
@@ -58,11 +56,12 @@ def holm(p: Series) -> Series:
 def differences(ratings: DataFrame) -> DataFrame:
     """Differences of the ratings of all pairs of conditions, rounded, so that equal differences of
     means are equal."""
-    pairs = combinations(ratings, 2)
-    return DataFrame({f"{a} - {b}": (ratings[a] - ratings[b]).round(9) for a, b in pairs})
+    return DataFrame(
+        {f"{a} - {b}": (ratings[a] - ratings[b]).round(9) for a, b in combinations(ratings, 2)}
+    )
 
 
-def pairs(ratings: DataFrame, effect: float) -> list[Row]:
+def pairs(ratings: DataFrame, effect: float) -> list[JsonObject]:
     """All pairs of conditions compared by Wilcoxon's signed-rank test of ratings (people,
     conditions), which leaves out differences of zero: p of the pair alone and corrected over all
     pairs, the mean difference, the matched-pairs rank-biserial correlation, and the power for a
@@ -82,14 +81,14 @@ def pairs(ratings: DataFrame, effect: float) -> list[Row]:
     ]
 
 
-def mean(values: Series) -> Row:
+def mean(values: Series) -> JsonObject:
     """Mean of differences (n,) with Student's interval."""
-    middle = float(values.mean())
-    half = float(values.sem() * special.stdtrit(len(values) - 1, 1 - _TAIL))
+    middle = values.mean()
+    half = values.sem() * special.stdtrit(len(values) - 1, 1 - _TAIL)
     return estimate("difference", middle, middle - half, middle + half)
 
 
-def biserial(values: Series) -> Row:
+def biserial(values: Series) -> JsonObject:
     """Matched-pairs rank-biserial correlation of differences (n,), from -1 to 1: the rank sum of
     positive differences less that of negative ones, divided by their sum.
 
@@ -101,17 +100,17 @@ def biserial(values: Series) -> Row:
         return estimate("rank-biserial", 0.0, -1.0, 1.0)
     weights = stats.rankdata(np.abs(moved))
     weights /= weights.sum()
-    value = float(weights @ np.sign(moved))
-    spread = special.ndtri(_TAIL) ** 2 * float(weights @ weights)
-    half = math.sqrt(spread * (spread + (1 - value**2)))
+    value = weights @ np.sign(moved)
+    spread = special.ndtri(_TAIL) ** 2 * (weights @ weights)
+    half = math.sqrt(spread * (spread + 1 - value**2))
     low, high = (value - half) / (1 + spread), (value + half) / (1 + spread)
     return estimate("rank-biserial", value, low, high)
 
 
-def share(name: str, count: int, people: int) -> Row:
+def share(name: str, count: int, people: int) -> JsonObject:
     """A share of people with Wilson's interval."""
-    found = stats.binomtest(count, people).proportion_ci(CONFIDENCE, "wilson")
-    return estimate(name, count / people, found.low, found.high)
+    found = stats.binomtest(count, people).proportion_ci(method="wilson")
+    return estimate(name, count / people, *found)
 
 
 def power(people: int, effect: float, spread: float, alpha: float) -> float:

@@ -10,6 +10,7 @@ import small_study
 from haptic_tracing.command_line.serve.stage import DeviceStage
 from haptic_tracing.command_line.study_run import Study
 from haptic_tracing.core.devices.guard import DeviceOutput
+from haptic_tracing.core.devices.mapping import map_listeners
 from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.formats.tracks.vibration_file import Channel
@@ -158,13 +159,17 @@ def test_listeners_at_one_body_part_are_played_and_add_up(tmp_path):
         write_wav(tracks, tmp_path / f"{name}.wav", "float32")
         (tmp_path / f"{name}.wav.json").write_text(json.dumps(described(tracks)))
     pad = DeviceOutput(profile("dualsense"), hid=None, rate=RATE)
-    stage = SimpleNamespace(outputs={"pad": pad}, stop=lambda: None)
+    stage = SimpleNamespace(
+        outputs={"pad": pad},
+        mapping=lambda parts: map_listeners(parts, {"pad": pad.profile}),
+        stop=lambda: None,
+    )
     study = Study(tmp_path, read_form(tmp_path), 2, stage)
     (left, foot, right), once = study.exposure, rms_of_sine("hand.L") * math.sqrt(SECONDS / 14_400)
     assert left == ["hand.L", True, pytest.approx((0.8 + 0.4) * once, rel=1e-6), *HAND]
     assert right == ["hand.R", True, pytest.approx(0.6 * once, rel=1e-6), *HAND]
     assert foot[:2] == ["foot.L", False]
-    played = study._mapping.blocks(study._samples("sine", "one"))["pad"]
+    played = study._mapping.blocks(tracks.samples)["pad"]
     assert np.allclose(played, np.array([[1.2], [0.6]]) * SINE, atol=1e-6)
 
 

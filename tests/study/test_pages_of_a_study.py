@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import small_study
 from haptic_tracing.command_line.study_run import Study
+from haptic_tracing.core.devices.mapping import map_listeners
 from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.devices.status import Status
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
@@ -43,7 +44,11 @@ def study(tmp_path):
         send=lambda block, due=None: log.append("block"),
         expect=lambda block, due: None,
     )
-    stage = SimpleNamespace(outputs={"pad": pad}, stop=lambda: log.append("silence"))
+    stage = SimpleNamespace(
+        outputs={"pad": pad},
+        mapping=lambda parts: map_listeners(parts, {"pad": pad.profile}),
+        stop=lambda: log.append("silence"),
+    )
     study = Study(tmp_path, read_form(tmp_path), 2, stage)
     study.log = log
     with study.listen(0) as server:
@@ -70,9 +75,13 @@ def begin_section(study, participant, experimenter):
     """Answer all until a section has begun. Returns the number of its step."""
     say(experimenter, "begin", "P01")
     while (state := say(participant, "look"))["step"]["step"] != "play":
-        say(participant, "answer", state["number"], [], 1.0)
+        say(participant, "answer", number_of_step(state), [], 1.0)
     say(participant, "play")
-    return state["number"]
+    return number_of_step(state)
+
+
+def number_of_step(state):
+    return {name: done for name, done, _ in state["participants"]}[state["sitting"]]
 
 
 def show_pictures(participant, seconds):
@@ -80,6 +89,7 @@ def show_pictures(participant, seconds):
     begun = time.perf_counter()
     while (film := time.perf_counter() - begun) < seconds:
         participant.send(json.dumps(["picture", film, time.perf_counter()]))
+        participant.recv(timeout=60)
         time.sleep(0.02)
 
 

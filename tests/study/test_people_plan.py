@@ -6,8 +6,7 @@ from itertools import islice, pairwise, product
 import pytest
 from haptic_tracing.command_line import build_parser, main
 from haptic_tracing.study.people.plan import balanced_rows, begin, orders, read_form, stimuli
-from haptic_tracing.study.people.record import read_steps
-from haptic_tracing.study.people.sitting import Sitting
+from haptic_tracing.study.people.record import Sitting, add_step, read_steps
 
 FORM = """
 title = "T"
@@ -32,7 +31,7 @@ def sitting(tmp_path):
 
 def seated(folder):
     form = read_form(folder)
-    return Sitting(folder, "P01", begin(folder, form, 4, ("hand.L",), {}))
+    return Sitting(folder, "P01", begin(folder, form, 4, ["hand.L"], {}))
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 6, 7])
@@ -46,8 +45,13 @@ def test_squares_are_balanced(count):
     assert set(followed.values()) <= {times} and len(followed) == count * (count - 1)
 
 
+def ordered(conditions, scenes, participants, seed):
+    form = {"conditions": dict.fromkeys(conditions), "scenes": dict.fromkeys(scenes), "seed": seed}
+    return orders(form, participants)
+
+
 def test_orders_are_balanced_over_participants_and_sections():
-    found = orders("abcd", "xyz", 24, 5)
+    found = ordered("abcd", "xyz", 24, 5)
     first = Counter(
         (step["position"], step["condition"])
         for steps in found.values()
@@ -59,8 +63,8 @@ def test_orders_are_balanced_over_participants_and_sections():
     assert all(len(steps) == 4 * 3 for steps in played)
     within = Counter((k % 3, step["scene"]) for steps in played for k, step in enumerate(steps))
     assert set(within.values()) == {32} and len(within) == 9
-    assert orders("abcd", "xyz", 24, 6) != found
-    assert dict(list(found.items())[:10]) == orders("abcd", "xyz", 10, 5)
+    assert ordered("abcd", "xyz", 24, 6) != found
+    assert dict(list(found.items())[:10]) == ordered("abcd", "xyz", 10, 5)
 
 
 def test_the_first_call_leaves_a_form_that_says_what_is_missing(tmp_path, capsys):
@@ -102,7 +106,7 @@ def test_a_form_may_not_change_once_the_study_has_begun(sitting, tmp_path):
 def test_tracks_may_not_change_once_the_study_has_begun(sitting, tmp_path):
     form, other = read_form(tmp_path), {"a": {"x": [0.5]}}
     with pytest.raises(ValueError, match="tracks have changed since the study began"):
-        begin(tmp_path, form, 4, ("hand.L",), other)
+        begin(tmp_path, form, 4, ["hand.L"], other)
 
 
 def test_other_settings_are_rendered_into_other_files(tmp_path):
@@ -120,7 +124,7 @@ def test_other_settings_are_rendered_into_other_files(tmp_path):
 def test_a_sitting_resumes_where_its_file_ends(sitting, tmp_path):
     sitting.take(0, [], 1.0)
     sitting.take(1, [{"item": "age", "value": "30"}], 1.0)
-    sitting.note("a remark")
+    add_step(sitting.path, {"note": "a remark"})
     again = seated(tmp_path)
     assert again.done == 2 and again.step == {"step": "start"}
     sitting.take(0, [], 1.0)  # a page that is late
@@ -153,7 +157,7 @@ def test_only_answers_of_items_and_values_are_written(sitting, tmp_path):
 
 
 def test_each_order_of_a_pair_is_possible():
-    found = {tuple(orders("ab", "x", 2, seed)["P01"][-3]["conditions"]) for seed in range(20)}
+    found = {tuple(ordered("ab", "x", 2, seed)["P01"][-3]["conditions"]) for seed in range(20)}
     assert found == {pair for pair in product("ab", repeat=2) if pair[0] != pair[1]}
 
 

@@ -356,6 +356,7 @@ def test_a_section_whose_devices_are_lost_is_not_played_and_is_repeated(folder, 
             os.kill(child, signal.SIGKILL)
         sitter.participant.until("document.body.innerText.includes('Stopped')")
         until_silent(folder)
+        sitter.experimenter.until("document.getElementById('why').innerText")
         why = sitter.experimenter.run("document.getElementById('why').innerText")
         assert "Controller" in why and "the process that guards the devices has ended" in why
         before = sum(until_silent(folder).values())
