@@ -342,7 +342,7 @@ class HapticGraph:
         """Distances in metres between nodes ``a[i]`` and ``b[i]``, from the nearest point of a
         listener's volume."""
         places = self.node_position.T
-        apart = _lengths(*(places.take(a, axis=1) - places.take(b, axis=1)))
+        apart = lengths(*(places.take(a, axis=1) - places.take(b, axis=1)))
         return (
             apart
             if self.reach is None
@@ -395,10 +395,11 @@ def distances(a: FloatArray, b: FloatArray) -> FloatArray:
     """Euclidean distances over the last axis, of length 3. Accurate also for 1e200 m and 1e-200 m,
     whose squares overflow or underflow. The distance of two points depends neither on the other
     elements nor on their order."""
-    return _lengths(a[..., 0] - b[..., 0], a[..., 1] - b[..., 1], a[..., 2] - b[..., 2])
+    return lengths(a[..., 0] - b[..., 0], a[..., 1] - b[..., 1], a[..., 2] - b[..., 2])
 
 
-def _lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+def lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
+    """Euclidean lengths of vectors with these components, as accurate as `distances`."""
     with np.errstate(over="ignore", under="ignore"):
         squared = np.asarray(x * x)
         squared += y * y

@@ -25,12 +25,15 @@ from ..frozen import frozen
 ITERATIONS = 2000
 """Most iterations."""
 
-FIRST_CHECK, CHECKED = 4, 3
+FIRST_CHECK, CHECKED = 4, 4
 """Iterations before the first evaluation of the error, and between two evaluations."""
 
-FEW, AT_LEAST = 100, 11
+FEW, AT_LEAST = 100, 8
 """With fewer subsystems, whose iterations cost next to nothing, so many come before the first
 evaluation: often that is exact to rounding."""
+
+PADDED = 3
+"""Times that padding to the longest row may enlarge a matrix."""
 
 SMALLEST = 1e-300
 """Added to divisors, so that a column that is solved exactly does not change."""
@@ -180,49 +183,67 @@ class _Iteration:
 
 
 class _Matrix:
-    """The matrix of every system, for several columns of each: block-diagonal, in compressed rows
-    that begin with the diagonal."""
+    """The matrix of every system, multiplied by several vectors of each.
+
+    Its rows, which begin with the diagonal, are padded with zeros to the same number of values. If
+    few are long, that is about the mean, and what a row has beyond is in further rows.
+    """
 
     def __init__(self, balance: PowerBalance, columns: int) -> None:
         systems, count = balance.damping.shape
-        entries = len(balance.row)
-        # Where the next row begins.
-        first = np.bincount(balance.row, minlength=count).cumsum() + np.arange(count)
-        first = np.concatenate([[0], first[:-1] + 1])[:count]
-        # A row's couplings come after its diagonal and those of the rows before.
-        place = np.arange(entries) + balance.row + 1
-        column = np.empty(entries + count, dtype=np.int64)
-        column[first] = np.arange(count)
-        column[place] = balance.column
-        diagonal = balance.diagonal
+        size = np.bincount(balance.row, minlength=count) + 1
+        width = int(size.max(initial=1))
+        if width * count > PADDED * size.sum():
+            width = -(-int(size.sum()) // count)
+        further = (size - 1) // width
+        end = further.cumsum()
+        number = np.arange(len(balance.row)) - (size.cumsum() - size)[balance.row] + balance.row + 1
+        place = (
+            number % width,
+            np.where(
+                number < width,
+                balance.row,
+                count - 1 + (end - further)[balance.row] + number // width,
+            ),
+        )
+        shape = width, count + further.sum()
+        self._column = np.zeros(shape, dtype=np.int64)
+        self._column[0, :count] = np.arange(count)
+        self._column[place] = balance.column
+        self._system_values = np.zeros((systems, *shape))
+        self._system_values[:, 0, :count] = balance.diagonal
+        self._system_values[:, *place] = -balance.coupling
+        self._longer = np.flatnonzero(further)
+        self._begin = (end - further)[self._longer]
         self._blocks = balance.blocks
-        self._system_values = np.empty((systems, entries + count))
-        self._system_values[:, first], self._system_values[:, place] = diagonal, -balance.coupling
         self._system = np.arange(systems).repeat(columns)
-        self._count = count
-        blocks = np.arange(systems * columns)[:, None]
-        self._columns = (column + count * blocks).reshape(-1)
-        self._firsts = (first + (entries + count) * blocks).reshape(-1)
-        self.diagonal = diagonal[self._system]
-        self.restrict(np.arange(systems * columns))
+        self.diagonal = balance.diagonal[self._system]
+        self._mine: list[IntArray | slice] = []
+        self.restrict(np.arange(len(self._system)))
 
-    def restrict(self, blocks: IntArray) -> None:
-        """Multiply only the vectors of these ``blocks`` from now on."""
-        self._chosen = self._system[blocks].tolist()
-        self._values = self._system_values[self._chosen].reshape(-1)
-        self._terms = np.empty_like(self._values)
+    def restrict(self, chosen: IntArray) -> None:
+        """Multiply only the vectors of these numbers from now on."""
+        values = self._system_values
+        system = self._system[chosen]
+        self._values, self._mine = values, [slice(None)]
+        if len(values) > 1:
+            self._values = values[system]
+            self._mine = [np.flatnonzero(system == k) for k in range(len(values))]
+        self._terms = np.empty((len(chosen), *self._column.shape))
 
     def times(self, vectors: FloatArray) -> FloatArray:
-        """The matrix times ``vectors`` (b, n), one for each of the chosen blocks."""
-        size = len(self._values)
-        if size == 0:
-            return vectors.copy()
-        vectors.reshape(-1).take(self._columns[:size], out=self._terms, mode="clip")
+        """The matrix times ``vectors`` (b, n), one for each of the chosen numbers."""
+        # All are in range: this mode is only the quickest.
+        vectors.take(self._column, axis=1, out=self._terms, mode="wrap")
         self._terms *= self._values
-        result = np.add.reduceat(self._terms, self._firsts[: vectors.size]).reshape(vectors.shape)
+        sums = self._terms.sum(axis=1)
+        count = vectors.shape[1]
+        result: FloatArray = sums[:, :count]
+        if len(self._longer):
+            result[:, self._longer] += np.add.reduceat(sums[:, count:], self._begin, axis=1)
         for begin, block in self._blocks:
             part = slice(begin, begin + block.shape[1])
-            # No BLAS, one by one: bits independent of threads and other columns.
-            for number, system in enumerate(self._chosen):
-                result[number, part] -= np.einsum("ij,j->i", block[system], vectors[number, part])
+            # No BLAS: bits are independent of threads and of other columns.
+            for mine, values in zip(self._mine, block, strict=True):
+                result[mine, part] -= np.einsum("ij,kj->ki", values, vectors[mine, part])
         return result

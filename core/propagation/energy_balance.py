@@ -21,6 +21,8 @@ Butterworth-Heinemann 1995, chapters 2 and 3.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, added_by, connected, ranges, runs
@@ -121,7 +123,7 @@ def energy_gains(graph: HapticGraph, wanted: BoolArray) -> Energies:
 
 @frozen
 class _Attachments:
-    """How the nodes (e,) of sources or listeners belong to the subsystems of their objects.
+    """How nodes (e,), the driven ones first, belong to the subsystems of their objects.
 
     Attributes:
         first, size: (e,) the attachments of a node are the ``size`` from ``first`` on, in the same
@@ -156,25 +158,28 @@ class _Assembly:
     """
 
     # A subsystem *passes* energy in a lane if its object's gain over its typical distance is not 0;
-    # *decay* is the reciprocal of that gain's square.
+    # *decay* is the reciprocal of that gain's square. *Ends* are the driven nodes, of which there
+    # are ``_driven``, and then the observed ones.
 
     def __init__(self, graph: HapticGraph, driven: IntArray, observed: IntArray) -> None:
-        self._graph, self._driven, self._observed = graph, driven, observed
+        self._graph, self._driven = graph, len(driven)
+        self._nodes = np.concatenate([driven, observed])
         self._lanes = lanes_of(graph)
         contacts = graph.nodes_of_contacts()[graph.transmission > 0]
         objects = graph.node_object[contacts]
         component = connected(objects, len(graph.table.names))
-        ends = component[graph.node_object[driven]], component[graph.node_object[observed]]
-        self._connected = ends[0][:, None] == ends[1]
-        self._contacts = contacts[np.isin(component[objects[:, 0]], ends[0])]
+        ends = component[graph.node_object[self._nodes]]
+        self._connected = ends[: len(driven), None] == ends[len(driven) :]
+        reached = np.zeros(len(component), dtype=np.bool_)
+        reached[ends[: len(driven)]] = True
+        self._contacts = contacts[reached[component[objects[:, 0]]]]
         self._parts = subsystems(graph, np.sort(self._contacts, axis=None))
         through = self._squares(self._parts.of_object, self._parts.distance)
         self._passes = through > 0
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
         self._balance = self._equations()
-        self._entry, self._exit = self._attached(driven), self._attached(observed)
+        self._ends = self._attached()
         self._inputs, self._column = self._powers()
-        self._direct = self._direct_levels()
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
         """Squares (lanes, n) of the gains of objects over distances; gains above 1 count as 1."""
@@ -223,8 +228,10 @@ class _Assembly:
     def _contact_couplings(self) -> tuple[IntArray, IntArray, FloatArray]:
         """Couplings by contacts: subsystems on either side, and values (lanes, c)."""
         parts, nodes = self._parts, self._contacts
-        first = parts.node.searchsorted(nodes, side="left")
-        size = parts.node.searchsorted(nodes, side="right") - first
+        begin, count = runs(parts.node)
+        of_node = np.zeros((2, self._graph.node_count), dtype=np.int64)
+        of_node[:, parts.node[begin]] = begin, count
+        first, size = of_node[:, nodes]
         pairs = size.prod(axis=1)
         which = np.arange(len(nodes)).repeat(pairs)
         number = ranges(np.zeros_like(pairs), pairs)
@@ -260,6 +267,9 @@ class _Assembly:
         few = (size > 1) & (size < DENSE)
         begin = begin[few]
         size = size[few]
+        if len(size) == 0:
+            none = np.zeros(0, dtype=np.int64)
+            return none, none, np.zeros((self._lanes, 0)), blocks
         each = size.repeat(size)
         a = ranges(begin, size).repeat(each)
         b = ranges(begin.repeat(size), each)
@@ -267,15 +277,15 @@ class _Assembly:
         value = self._squares(parts.of_object[a], distances(parts.centre[a], parts.centre[b]))
         return a, b, value * loss[:, a] * loss[:, b], blocks
 
-    def _attached(self, node: IntArray) -> _Attachments:
-        """How nodes ``node`` (e,) belong to the subsystems of their objects: the more energy
+    def _attached(self) -> _Attachments:
+        """How driven and observed nodes belong to the subsystems of their objects: the more energy
         arrives from a subsystem, the larger its share.
 
         For a listener with an extent, that is the energy at its centre; if none arrives there, the
         nearest subsystem has the whole share. A larger extent thus never moves a listener to
         subsystems with less energy.
         """
-        graph, parts = self._graph, self._parts
+        graph, parts, node = self._graph, self._parts, self._nodes
         index = graph.node_object[node]
         begin = parts.of_object.searchsorted(index, side="left")
         size = parts.of_object.searchsorted(index, side="right") - begin
@@ -332,31 +342,27 @@ class _Assembly:
         that has not left it reaches a listener by the object's function over their distance
         instead.
         """
-        graph, parts, entry, exit_ = self._graph, self._parts, self._entry, self._exit
-        result = np.zeros((self._lanes, len(self._driven), len(self._observed)))
-        a, b = np.nonzero(
-            graph.node_object[self._driven][:, None] == graph.node_object[self._observed]
-        )
+        graph, parts, ends, driven = self._graph, self._parts, self._ends, self._driven
+        result = np.zeros((self._lanes, driven, len(self._nodes) - driven))
+        index = graph.node_object[self._nodes]
+        a, b = np.nonzero(index[:driven, None] == index[driven:])
         if len(a) == 0:
             return result
-        size = entry.size[a]
+        size = ends.size[a]
         which = np.arange(len(a)).repeat(size)
-        one = ranges(entry.first[a], size)
-        other = ranges(exit_.first[b], size)
+        one = ranges(ends.first[a], size)
+        other = ranges(ends.first[driven + b], size)
         total = self._balance.diagonal + parts.mass * (1.0 - parts.uptake)
         left, spread = (
-            added_by(
-                which, entry_part * exit_part[..., other] * factor[:, entry.region[one]], len(a)
-            )
-            for entry_part, exit_part, factor in (
-                (entry.share[one], exit_.share, self._decay / total),
-                (entry.energy[:, one], exit_.energy, 1.0 / total),
+            added_by(which, part[..., one] * part[..., other] * factor[:, ends.region[one]], len(a))
+            for part, factor in (
+                (ends.share, self._decay / total),
+                (ends.energy, 1.0 / total),
             )
         )
         left = np.where(size > 0, np.minimum(left, 1.0), 1.0)
         directly = self._squares(
-            graph.node_object[self._driven[a]],
-            graph.node_distances(self._driven[a], self._observed[b]),
+            index[a], graph.node_distances(self._nodes[a], self._nodes[driven + b])
         )
         result[:, a, b] = left * directly - spread
         return result
@@ -367,81 +373,87 @@ class _Assembly:
 
         Returns:
             The powers, each by its column (b,), its subsystem (b,) and its size (lanes, b); and the
-            column (o,) of each observed node, 0 if it takes up none.
+            column (e,) of each node, 0 of observed nodes that take up none.
         """
-        entry, exit_, driven = self._entry, self._exit, len(self._driven)
-        column = np.zeros(len(self._observed), dtype=np.int64)
-        taking = np.flatnonzero(exit_.uptake > 0)
-        whole = exit_.size[taking] == 1
-        same = np.where(whole, exit_.region[exit_.first[taking]], -1 - taking)
+        ends, driven = self._ends, self._driven
+        column = np.arange(len(self._nodes))
+        column[driven:] = 0
+        taking = driven + np.flatnonzero(ends.uptake[driven:] > 0)
+        whole = ends.size[taking] == 1
+        same = np.where(whole, ends.region[ends.first[taking]], -1 - taking)
         _, chosen, number = np.unique(same, return_index=True, return_inverse=True)
         column[taking] = driven + number
-        alone = taking[chosen]
-        size = exit_.size[alone]
-        place = ranges(exit_.first[alone], size)
-        row = np.concatenate([entry.node, column[alone].repeat(size)])
-        region = np.concatenate([entry.region, exit_.region[place]])
-        part = np.concatenate([entry.distribution, exit_.distribution[:, place]], axis=1)
-        return (row, region, part), column
+        alone = np.concatenate([np.arange(driven), taking[chosen]])
+        size = ends.size[alone]
+        place = ranges(ends.first[alone], size)
+        row = np.arange(len(alone)).repeat(size)
+        return (row, ends.region[place], ends.distribution[:, place]), column
 
     def solved(self) -> tuple[FloatArray, FloatArray, int]:
         """Squared gains (lanes, d, o), bounds (d, o) on the errors of lane 0, and the number of
         subsystems."""
-        exit_, column, driven = self._exit, self._column, len(self._driven)
+        ends, driven = self._ends, self._driven
         row, region, part = self._inputs
-        power = np.zeros((self._lanes, int(row.max(initial=driven - 1)) + 1, len(self._parts.mass)))
+        column = self._column[driven:]
+        columns = max(driven, int(column.max(initial=0)) + 1)
+        power = np.zeros((self._lanes, columns, len(self._parts.mass)))
         power[:, row, region] = part
-        through = self._entry.through[:, :, None] * exit_.through[:, None]
+        first = int(ends.size[:driven].sum())
+        number, heard = ends.node[first:] - driven, ends.region[first:]
+        weight = ends.distribution[:, first:]
         # Of nodes without a column: the most that their energy is under unit power of their own.
-        weight = exit_.distribution**2 / self._balance.damping[:, exit_.region]
-        most = added_by(exit_.node, weight, len(self._observed))
-        reception = np.where(column > 0, OWN, np.sqrt(most))[:, None]
+        most = added_by(number, weight**2 / self._balance.damping[:, heard], len(column))
+        has_column = column > 0
+        reception = np.where(has_column, OWN, np.sqrt(most))[:, None]
+        level = self._levels()
+        through = ends.through[:, :driven, None] * ends.through[:, None, driven:]
+        least = np.maximum(SAFETY * through * reception, UNDERFLOW)
 
         def across(energy: FloatArray) -> FloatArray:
-            heard = energy[:, :driven, exit_.region] * exit_.distribution[:, None]
-            return added_by(exit_.node, heard, len(self._observed))
+            return added_by(number, energy[:, :driven, heard] * weight[:, None], len(column))
 
         def good_enough(energy: FloatArray) -> FloatArray:
-            own = added_by(row, part * energy[:, row, region], power.shape[1])
-            allowed = np.maximum(PRECISE * self._level(across(energy), own), INAUDIBLE)
+            own = added_by(row, part * energy[:, row, region], columns)
+            allowed = np.maximum(PRECISE * level(across(energy), own), INAUDIBLE)
             goal = np.full(own.shape, OWN)
             goal[1:] = OWN_IN_BANDS
-            goal[:, :driven] = (allowed / np.maximum(SAFETY * through * reception, UNDERFLOW)).min(
-                axis=2, initial=OWN
-            )
+            goal[:, :driven] = (allowed / least).min(axis=2, initial=OWN)
             return goal
 
         found = solve(self._balance, power, good_enough)
-        own = np.maximum(((power + found.residual) * found.energy).sum(axis=2), 0.0)
+        own = ((power + found.residual) * found.energy).sum(axis=2)
         own_error = found.bound**2 + (found.rounding * found.energy).sum(axis=2)
         # What the residuals add, to first order: those of a node's energies under power at another.
         rest, rounding = (
             np.einsum("kdn,kon->kdo", part[:, :driven], found.energy[:, column])
             for part in (found.residual, found.rounding)
         )
-        has_column = column > 0
         between = across(found.energy) + np.where(has_column, rest, 0.0)
         error = found.bound[:, :driven, None] * np.where(
             has_column, found.bound[:, None, column], reception
         ) + np.where(has_column, rounding, 0.0)
-        level = self._level(between, own)
+        squares = level(between, own)
         highest, lowest = (
-            self._level(between + sign * error, own - sign * own_error)[0] for sign in (1.0, -1.0)
+            level(between + sign * error, own - sign * own_error)[0] for sign in (1.0, -1.0)
         )
-        doubt = np.maximum(highest - level[0], level[0] - lowest)
-        doubt += np.where(through[0] > 0, EPSILON * level[0], 0.0)
-        return level, doubt * self._connected, len(self._parts.mass)
+        doubt = np.maximum(highest - squares[0], squares[0] - lowest)
+        doubt += np.where(through[0] > 0, EPSILON * squares[0], 0.0)
+        return squares, doubt * self._connected, len(self._parts.mass)
 
-    def _level(self, across: FloatArray, own: FloatArray) -> FloatArray:
-        """Squared gains (lanes, d, o) by energies: ``across`` (lanes, d, o) from node to node, and
-        ``own`` (lanes, columns) where the power of each column is put in."""
-        entry, exit_ = self._entry, self._exit
-        across = np.maximum(across, 0.0)
-        own = np.maximum(own, 0.0)
-        first = 1.0 + entry.uptake * own[:, : len(self._driven)]
-        second = 1.0 + exit_.uptake * own[:, self._column]
-        both = entry.uptake[:, None] * exit_.uptake
-        either = np.minimum(entry.uptake[:, None], exit_.uptake)
-        lost = first[:, :, None] * second[:, None] - both * across**2 + either * across
-        through = entry.through[:, :, None] * exit_.through[:, None]
-        return np.clip(through * across / np.maximum(lost, 1.0) + self._direct, 0.0, 1.0)
+    def _levels(self) -> Callable[[FloatArray, FloatArray], FloatArray]:
+        """Squared gains (lanes, d, o) by energies: those (lanes, d, o) from node to node, and those
+        (lanes, columns) where the power of each column is put in."""
+        ends, driven, column = self._ends, self._driven, self._column
+        entry, exit_ = ends.uptake[:driven, None], ends.uptake[driven:]
+        both, either = entry * exit_, np.minimum(entry, exit_)
+        through = ends.through[:, :driven, None] * ends.through[:, None, driven:]
+        direct = self._direct_levels()
+
+        def level(across: FloatArray, own: FloatArray) -> FloatArray:
+            across = np.maximum(across, 0.0)
+            kept = 1.0 + ends.uptake * np.maximum(own, 0.0)[:, column]
+            lost = kept[:, :driven, None] * kept[:, None, driven:]
+            lost += across * (either - both * across)
+            return np.clip(through * across / np.maximum(lost, 1.0) + direct, 0.0, 1.0)
+
+        return level

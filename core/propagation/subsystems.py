@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray, added_by, runs
 from ..frozen import frozen
-from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances
+from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances, lengths
 
 REGIONS, MOST_REGIONS = 128, 1024
 """Most regions of one object, about, where most of its contacts are, and where all of them are: the
@@ -131,14 +131,14 @@ def _attached(
     """
     count = len(used)
     middle = graph.frames.centre[used]
-    radius = distances(graph.frames.size[used], np.zeros(3)) / 2
+    radius = lengths(*graph.frames.size[used].T) / 2
     unknown = np.flatnonzero(np.isnan(radius))
     if len(unknown):
         first, last = _trimmed_ends(position, strength, slot, count)[:, unknown]
         middle[unknown] = (first + last) / 2
         radius[unknown] = distances(first, last) / 2
     relative = np.minimum(np.maximum(position - middle[slot], -HIGHEST), HIGHEST)
-    farthest = np.maximum.reduceat(distances(relative, np.zeros(3)), begin)
+    farthest = np.maximum.reduceat(lengths(*relative.T), begin)
     extent = np.minimum(2 * np.maximum(radius, farthest), HIGHEST)
     spacing = damping_lengths(graph.table, used, extent)
     divided = farthest > spacing / 2
@@ -154,7 +154,7 @@ def _attached(
     total = np.asarray(np.bincount(slot, weights=strength, minlength=count), dtype=np.float64)
     contact, cell, weight = _lattice(local, strength[chosen], spacing, slot[chosen], total)
     contact = chosen[contact]
-    cells, region = _numbered(np.column_stack([slot[contact], cell]))
+    cells, region = _numbered(np.concatenate([slot[contact][None], cell.T]))
     of_slot = np.concatenate([np.flatnonzero(~divided), cells])
     order = np.argsort(of_slot, kind="stable")
     number = np.empty_like(order)
@@ -175,15 +175,6 @@ def _attached(
     )
 
 
-def _centroids(
-    position: FloatArray, strength: FloatArray, slot: IntArray, count: int
-) -> FloatArray:
-    """Centroid (count, 3) of the contacts of each object."""
-    weight = np.maximum(strength, np.finfo(np.float64).tiny)
-    total = np.bincount(slot, weights=weight, minlength=count)
-    return (added_by(slot, weight * position.T, count) / total).T.copy()
-
-
 def _trimmed_ends(
     place: FloatArray, strength: FloatArray, slot: IntArray, count: int
 ) -> FloatArray:
@@ -198,20 +189,29 @@ def _trimmed_ends(
         slot: which object each contact is on (n,), ascending.
         count: number of objects.
     """
-    weight = np.maximum(strength, np.finfo(np.float64).tiny)
-    weight /= np.bincount(slot, weights=weight, minlength=count)[slot]
     begin, size = runs(slot)
-    objects_before = np.arange(len(begin)).repeat(size)  # each adds 1 to the sum
     ends = np.zeros((2, count, 3))
-    for axis, along in enumerate(place.T):
-        order = np.lexsort((along, slot))
-        part = weight[order]
-        above = part.cumsum() - objects_before
-        for end, (low, high) in zip(ends, (TAILS, (1 - TAILS[1], 1 - TAILS[0])), strict=True):
-            within = np.maximum(np.minimum(above, high) - np.maximum(above - part, low), 0.0)
-            end[:, axis] = np.bincount(slot, weights=within * along[order], minlength=count) / (
-                high - low
-            )
+    ends[0, slot[begin]] = np.minimum.reduceat(place, begin)
+    ends[1, slot[begin]] = np.maximum.reduceat(place, begin)
+    weight = np.maximum(strength, np.finfo(np.float64).tiny)
+    weight = weight / np.bincount(slot, weights=weight, minlength=count)[slot]
+    # Where the first and the last contact are more than that, their places are these means.
+    many = (np.minimum.reduceat(weight, begin) < TAILS[1]).repeat(size)
+    if not many.any():
+        return ends
+    slot = slot[many]
+    weight = weight[many]
+    begin, size = runs(slot)
+    chosen = slot[begin]
+    objects_before = np.arange(len(begin)).repeat(size)  # each adds 1 to the sum
+    along = place[many].T
+    order = np.lexsort((along, np.broadcast_to(slot, along.shape)))
+    along = np.take_along_axis(along, order, axis=1)
+    part = weight[order]
+    above = part.cumsum(axis=1) - objects_before
+    for end, (low, high) in zip(ends, (TAILS, (1 - TAILS[1], 1 - TAILS[0])), strict=True):
+        within = np.maximum(np.minimum(above, high) - np.maximum(above - part, low), 0.0)
+        end[chosen] = np.add.reduceat(within * along, begin, axis=1).T / (high - low)
     return ends
 
 
@@ -275,17 +275,25 @@ def _coarsened(
     begin, _ = runs(slot)
     whole = np.zeros((len(spacing), 3))
     whole[slot[begin]] = np.maximum.reduceat(local, begin) - np.minimum.reduceat(local, begin)
-    first, last = _trimmed_ends(local, strength[many], slot, len(spacing))
-    for extent, regions in (((last - first) / (1 - sum(TAILS)), REGIONS), (whole, MOST_REGIONS)):
+    inner = 1 - sum(TAILS)
+
+    def too_many(extent: FloatArray, regions: int) -> tuple[IntArray, FloatArray]:
+        """Objects with more than ``regions``, and the most lattice points (m,) within extents."""
         most = np.divide(
             regions * around,
             around - regions,
             out=np.full(len(around), math.inf),
             where=around > regions,
         )
-        for number in np.flatnonzero(
-            (1.0 + extent / np.maximum(spacing, 1e-300)[:, None]).prod(axis=1) > most
-        ).tolist():
+        points = (1.0 + extent / np.maximum(spacing, 1e-300)[:, None]).prod(axis=1)
+        return np.flatnonzero(points > most), most
+
+    if len(too_many(whole / inner, REGIONS)[0]) == 0:
+        return spacing
+    first, last = _trimmed_ends(local, strength[many], slot, len(spacing))
+    for extent, regions in (((last - first) / inner, REGIONS), (whole, MOST_REGIONS)):
+        exceeded, most = too_many(extent, regions)
+        for number in exceeded.tolist():
             spacing[number] = _coarse_enough(
                 extent[number], float(spacing[number]), float(most[number])
             )
@@ -308,15 +316,15 @@ def _coarse_enough(extent: FloatArray, spacing: float, most: float) -> float:
 
 
 def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
-    """Distinct rows of ``keys`` (n, 4) in ascending order, of which the first column is returned,
-    and the number of each row."""
-    low = keys.min(axis=0)
-    size = (keys.max(axis=0) - low + 1).tolist()
+    """Distinct columns of ``keys`` (4, n) in ascending order, of which the first row is returned,
+    and the number of each column."""
+    low = keys.min(axis=1)
+    size = (keys.max(axis=1) - low + 1).tolist()
     if math.prod(size) >= 2**62:
-        _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-        return keys[first, 0], which.reshape(-1)
-    key = np.ravel_multi_index(tuple((keys - low).T), size)
-    if math.prod(size) > DENSE * len(keys):
+        _, first, which = np.unique(keys, axis=1, return_index=True, return_inverse=True)
+        return keys[0, first], which.reshape(-1)
+    key = np.ravel_multi_index(tuple(keys - low[:, None]), size)
+    if math.prod(size) > DENSE * len(key):
         cells, which = np.unique(key, return_inverse=True)
     else:
         taken = np.bincount(key) > 0
@@ -335,8 +343,9 @@ def _extents(
     these add up to less than one pair, as while a contact parts, the other contact counts with
     itself as the rest.
     """
+    strength = np.maximum(strength, np.finfo(np.float64).tiny)
     total = np.bincount(region, weights=strength, minlength=count)
-    centre = _centroids(position, strength, region, count)
+    centre = (added_by(region, strength * position.T, count) / total).T.copy()
     away = np.minimum(distances(position, centre[region]), HIGHEST)
     moment = np.bincount(region, weights=strength * away * away, minlength=count)
     own = np.bincount(region, weights=strength * strength, minlength=count)
