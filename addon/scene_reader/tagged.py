@@ -135,6 +135,6 @@ def _still(
         limits[same] = before.still[same]
         bodies = [item for item in bodies if kept.get(id(item[2])) != item[0]]
     for k, _, body in bodies:
-        arm = np.linalg.norm(np.abs(body.shape.local_bounds()).max(axis=0))
+        arm = np.linalg.norm(np.abs(body.shape.local_bounds).max(axis=0))
         limits[k, :12] *= np.repeat(np.abs(stretches[k][:3]), 4) / max(float(arm), 1e-9)
     return limits

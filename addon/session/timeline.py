@@ -125,7 +125,7 @@ def sounding_seconds(scene: Scene) -> float:
         for item, body in zip(reading.objects, reading.bodies, strict=True)
     )
     return seconds + min(
-        sum(math.dist(*shape.local_bounds()) / speed for speed, shape in slow if speed), MAX_DELAY
+        sum(math.dist(*shape.local_bounds) / speed for speed, shape in slow if speed), MAX_DELAY
     )
 
 

@@ -41,7 +41,7 @@ def _doubt(traced: Traced, *_: object) -> Doubt | None:
     for body in reading.bodies:
         for word in _LARGEST.keys() & set(re.findall("[a-z]+", body.name.lower())):
             counts[word] += 1
-            size = float(np.ptp(body.shape.local_bounds(), axis=0).max())
+            size = float(np.ptp(body.shape.local_bounds, axis=0).max())
             if size > _LARGEST[word]:
                 return word, size
     for word, count in counts.items():

@@ -36,14 +36,8 @@ class BodyTable:
     """
 
     def __init__(self, bodies: Sequence[Body], before: BodyTable | None = None) -> None:
-        known: dict[int, FloatArray] = {} if before is None else before._bounds
-        self._shapes = [body.shape for body in bodies]
-        # Local bounds (2, 3) by the identity of the shape.
-        self._bounds: dict[int, FloatArray] = {
-            id(shape): known[id(shape)] if id(shape) in known else shape.local_bounds()
-            for shape in self._shapes
-        }
-        local = np.array([self._bounds[id(shape)] for shape in self._shapes]).reshape(-1, 2, 3)
+        shapes = [body.shape for body in bodies]
+        local = np.array([shape.local_bounds for shape in shapes]).reshape(-1, 2, 3)
         count = len(bodies)
         self.middle, self.extent = np.empty((2, 3, count))
         self.radius, self.reach = np.empty((2, count))
@@ -53,14 +47,14 @@ class BodyTable:
         self.dynamic = np.array([body.motion is Motion.DYNAMIC for body in bodies], dtype=np.bool_)
         self.medium = np.array([body.medium for body in bodies], dtype=np.bool_)
         self.narrow: NarrowPhase = NarrowPhase(
-            self._shapes,
+            shapes,
             self.medium.tolist(),
             None if before is None else before.narrow,
         )
         self.time_of_impact = TimeOfImpact(self.narrow, local)
 
     def __len__(self) -> int:
-        return len(self._shapes)
+        return len(self.mass)
 
     def _set_sizes(self, bodies: slice, local: FloatArray) -> None:
         """Set what depends on the ``local`` bounds (k, 2, 3) of some bodies."""
@@ -85,12 +79,9 @@ class BodyTable:
             or shape.margin != new.margin
         ):
             return False
-        local = new.local_bounds()
+        local = new.local_bounds
         if not self.narrow.place(number, new, local):
             return False
-        self._bounds.pop(id(self._shapes[number]), None)
-        self._shapes[number] = new
-        self._bounds[id(new)] = local
         self._set_sizes(slice(number, number + 1), local[None])
         self.time_of_impact.measure(number, local)
         return True

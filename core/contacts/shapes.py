@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, fields
-from functools import lru_cache
+from dataclasses import MISSING, dataclass, fields
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -82,7 +82,7 @@ def pose_matrices(poses: Sequence[Pose]) -> FloatArray:
     return matrices
 
 
-@frozen
+@dataclass(frozen=True)  # without slots: what is computed of a shape is kept with it
 class Shape:
     """Base of all shapes: values, hashable and compared by content. Every field of type float is a
     length; those named in ``positive`` are greater than 0."""
@@ -113,9 +113,13 @@ class Shape:
         """(3,) half extents of a core that is centred."""
         raise NotImplementedError
 
+    @cached_property
     def local_bounds(self) -> FloatArray:
-        """(2, 3) lowest and highest corner of the bounding box in local space, margin included."""
-        return np.asarray(self.core_bounds() + np.array([[-self.margin], [self.margin]]))
+        """(2, 3) lowest and highest corner of the bounding box in local space, margin included.
+        Read-only."""
+        bounds: FloatArray = self.core_bounds() + np.array([[-self.margin], [self.margin]])
+        bounds.setflags(write=False)
+        return bounds
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON form in scene files, without what has its default."""
@@ -335,11 +339,16 @@ class Compound(Shape):
         object.__setattr__(self, "children", children)
         Shape.__post_init__(self)
 
+    @cached_property
+    def places(self) -> FloatArray:
+        """Rigid matrices (n, 4, 4) of the children. Read-only."""
+        matrices = pose_matrices([pose for _, pose in self.children])
+        matrices.setflags(write=False)
+        return matrices
+
     def core_bounds(self) -> FloatArray:
-        bounds = transformed_bounds(
-            _bounds_of(tuple(shape for shape, _ in self.children)),
-            pose_matrices([pose for _, pose in self.children]),
-        )
+        own = np.array([shape.local_bounds for shape, _ in self.children])
+        bounds = transformed_bounds(own, self.places)
         return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
     def to_dict(self) -> dict[str, Any]:
@@ -352,12 +361,6 @@ class Compound(Shape):
             for shape, pose in self.children
         ]
         return form
-
-
-@lru_cache(maxsize=256)
-def _bounds_of(shapes: tuple[Shape, ...]) -> FloatArray:
-    """Local bounds (n, 2, 3), kept for compounds whose parts only move."""
-    return np.array([shape.local_bounds() for shape in shapes])
 
 
 def transformed_bounds(bounds: FloatArray, matrices: FloatArray) -> FloatArray:
@@ -411,9 +414,13 @@ def parts_of(shape: Shape) -> tuple[Primitive, ...]:
     """The primitives that a shape is made of, compounds resolved."""
     if not isinstance(shape, Compound):
         return (Primitive(shape, np.eye(4), shape.margin),)
-    places = pose_matrices([pose for _, pose in shape.children])
-    return tuple(
-        Primitive(part.shape, place @ part.matrix, part.radius + shape.margin)
-        for (child, _), place in zip(shape.children, places, strict=True)
-        for part in parts_of(child)
-    )
+    parts = []
+    for (child, _), place in zip(shape.children, shape.places, strict=True):
+        if isinstance(child, Compound):
+            parts += [
+                Primitive(part.shape, place @ part.matrix, part.radius + shape.margin)
+                for part in parts_of(child)
+            ]
+        else:
+            parts.append(Primitive(child, place, child.margin + shape.margin))
+    return tuple(parts)

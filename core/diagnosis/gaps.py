@@ -123,7 +123,7 @@ def gaps(
     if end not in row or not start & row.keys():
         return ()
     bounds = transformed_bounds(
-        np.array([body.shape.local_bounds() for body in bodies]), surroundings.transforms
+        np.array([body.shape.local_bounds for body in bodies]), surroundings.transforms
     )
     touching = _touching(graph, row)
     predecessor = _least_air(

@@ -93,4 +93,4 @@ class ObjectFrames:
 
 def local_bounds(shapes: Sequence[Shape]) -> FloatArray:
     """Bounding boxes (n, 2, 3) of shapes in their own space."""
-    return np.array([shape.local_bounds() for shape in shapes], dtype=np.float64).reshape(-1, 2, 3)
+    return np.array([shape.local_bounds for shape in shapes], dtype=np.float64).reshape(-1, 2, 3)

@@ -100,7 +100,7 @@ def test_names_stay_while_instancers_move_and_change(crates):
     places[2].instance_collection.objects["lid"].scale.x = 0.2
     after = traced()
     reading = sessions.shown(bpy.context.scene).reading
-    sizes = {b.name: np.ptp(b.shape.local_bounds(), axis=0)[0] for b in reading.bodies}
+    sizes = {b.name: np.ptp(b.shape.local_bounds, axis=0)[0] for b in reading.bodies}
     assert sizes["place 2: lid 1"] == pytest.approx(0.2)
     mesh = places[2].instance_collection.objects["crate"].data
     for vertex in mesh.vertices:
@@ -108,7 +108,7 @@ def test_names_stay_while_instancers_move_and_change(crates):
     mesh.update()
     after = traced()
     reading = sessions.shown(bpy.context.scene).reading
-    sizes = {b.name: np.ptp(b.shape.local_bounds(), axis=0)[0] for b in reading.bodies}
+    sizes = {b.name: np.ptp(b.shape.local_bounds, axis=0)[0] for b in reading.bodies}
     assert sizes["place 0: crate 0"] == pytest.approx(1.0)
     bpy.data.objects.remove(places[1])
     assert len(traced().objects) == len(after.objects) - 2
@@ -160,7 +160,7 @@ def test_what_geometry_nodes_scatter_touches(scene, add_box, as_mesh):
     put.inputs["Scale"].default_value = (2, 2, 2)
     traced()
     reading = sessions.shown(scene).reading
-    size = {b.name: np.ptp(b.shape.local_bounds(), axis=0)[0] for b in reading.bodies}
+    size = {b.name: np.ptp(b.shape.local_bounds, axis=0)[0] for b in reading.bodies}
     assert size[f"field: {shown} 0.0"] == pytest.approx(2.0)  # of a mesh of 1 m, not of its object
     put.inputs["Selection"].default_value = False
     assert len(traced().objects) == (1 if as_mesh else 2)

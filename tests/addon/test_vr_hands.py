@@ -31,7 +31,7 @@ def reading():
 def top_of(reading, part):
     """A place on an object, 2 cm above which its bounding box ends."""
     number = next(k for k, body in enumerate(reading.bodies) if part in body.name.lower())
-    low, high = reading.bodies[number].shape.local_bounds()
+    low, high = reading.bodies[number].shape.local_bounds
     middle = (low + high) / 2
     place = reading.transforms[number] @ [middle[0], middle[1], high[2], 1.0]
     return tuple(place[:3].tolist())

@@ -222,7 +222,7 @@ def of_measured_materials(scene: HapticScene) -> HapticScene:
                 item,
                 propagation=physical(
                     "soil" if item.name == "ground" else "plastic",
-                    tuple(np.ptp(item.shape.local_bounds(), axis=0).tolist()),
+                    tuple(np.ptp(item.shape.local_bounds, axis=0).tolist()),
                 ),
             )
             for item in scene.objects

@@ -38,7 +38,7 @@ class HollowHulls:
         self._size = np.zeros(len(shapes))
         self._any = bool(np.isfinite(self._depth).any())
         if self._any:
-            self._size[:] = [np.ptp(s.local_bounds(), axis=0).min() for s in shapes]
+            self._size[:] = [np.ptp(s.local_bounds, axis=0).min() for s in shapes]
 
     def measure(self, body: int, bounds: FloatArray) -> None:
         """Set the size of a body with local ``bounds`` (2, 3)."""

@@ -93,7 +93,7 @@ def test_levels_compare_and_are_those_of_the_ways_shown(play, name):
     haptic = scene_of_result(result, session.of(scene).reading, scene)
     largest = max(
         (item for item in haptic.objects if item.shape is not None),
-        key=lambda item: float(np.prod(np.ptp(item.shape.local_bounds(), axis=0))),
+        key=lambda item: float(np.prod(np.ptp(item.shape.local_bounds, axis=0))),
     )
     x, y, z = largest.pose.position
     for strategy in WELL_POSED:

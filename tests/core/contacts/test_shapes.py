@@ -52,7 +52,7 @@ def test_form_of_the_scene_file_and_back(shape):
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.type)
 def test_margin_widens_the_bounds(shape):
-    bounds, core = shape.local_bounds(), shape.core_bounds()
+    bounds, core = shape.local_bounds, shape.core_bounds()
     np.testing.assert_allclose(bounds, core + np.array([[-shape.margin], [shape.margin]]))
     assert (bounds[0] < bounds[1]).all()
 
@@ -66,7 +66,7 @@ def test_bounds_of_a_compound():
         0.25,
     )
     np.testing.assert_allclose(
-        pair.local_bounds(), [[-1.75, -1.75, -3.25], [12.25, 1.75, 6.75]], atol=1e-12
+        pair.local_bounds, [[-1.75, -1.75, -3.25], [12.25, 1.75, 6.75]], atol=1e-12
     )
     assert [part.radius for part in parts_of(pair)] == [0.25, 0.75]
 

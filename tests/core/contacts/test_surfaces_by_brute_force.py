@@ -282,7 +282,7 @@ def test_a_body_sinks_wholly_into_a_solid(name, swapped):
     the patch doesn't jump, wherever the surfaces begin and cease to cross: where it moves far in a
     step, it moves less in smaller steps."""
     ground, body = Mesh(*reference.box((2.0, 2.0, 1.4), 3), sunk_in=SUNK_IN), SINKING[name]
-    corners = np.array(list(itertools.product(*np.transpose(body.local_bounds()))))
+    corners = np.array(list(itertools.product(*np.transpose(body.local_bounds))))
     turn = rotation(np.random.default_rng(7))
     heights, step = (corners @ turn.T)[:, 2], 0.01
 
