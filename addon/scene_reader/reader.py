@@ -376,12 +376,22 @@ class SceneReader:
             self._parented.correct(self._rigid, exact)
             known = lists.stretches[moved]
             rows |= set(lists.rows[moved[_differ(stretches, known)]].tolist())
+        reshaped: dict[int, Tagged] = {}
         if lists is self._lists:
             unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
             if unchecked and self._session_ids is not None:
                 objects = lists.rows[lists.rows < len(self._session_ids)]
                 own = self._session_ids[objects]
-                rows |= set(objects[np.isin(own, list(unchecked))].tolist())
+                numbers = np.flatnonzero(np.isin(own, list(unchecked)))
+                kept = (raw_tagged[numbers] == self._raw[numbers]).all(axis=1)
+                for row, is_kept in zip(objects[numbers].tolist(), kept.tolist(), strict=True):
+                    is_known = is_kept and row not in rows
+                    tagged = self._reshaped(row, depsgraph) if is_known else None
+                    if tagged is None:
+                        rows.add(row)
+                    elif tagged is not self._tagged[row]:
+                        reshaped[row] = tagged
+        self._tagged |= reshaped
         changed = False
         reread = sorted(rows)
         stretches = (
@@ -405,6 +415,8 @@ class SceneReader:
                 )
         if changed:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
+        elif reshaped:
+            lists = lists.reshaped(reshaped)
         if len(moved) or lists is not self._lists:
             self._transforms = self._rigid[lists.of_bodies]
             settled = lists.file_poses.snap(self._transforms)
@@ -417,6 +429,21 @@ class SceneReader:
         self._lists = lists
         self._unchecked.clear()
         return lists
+
+    def _reshaped(self, row: int, depsgraph: Depsgraph) -> Tagged | None:
+        """The object of a row, of which nothing but the mesh has changed; None if it must be read
+        again."""
+        known = self._tagged[row]
+        if known.object is None:
+            return None
+        obj = bpy.data.objects[row]
+        try:
+            surface = self._shape(obj, depsgraph, np.array(known.stretch))
+        except ValueError:
+            return None
+        if surface is known.surface:
+            return known
+        return replace(known, body=Body.of(known.object, surface.shape), surface=surface)
 
     def _read_object(
         self, row: int, obj: Object, depsgraph: Depsgraph, stretch: FloatArray

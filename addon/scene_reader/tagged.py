@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -107,17 +108,34 @@ class TaggedLists:
             of_places=np.array([row for row, _ in places], dtype=np.int64),
             objects=objects,
             bodies=alone,
-            hulls={
-                t.object.name: t.surface
-                for t in tagged
-                if t.object is not None and t.surface is not None and t.surface.deviation > 0
-            },
+            hulls=_hulls(tagged),
             places=tuple(item for _, item in places),
             file_poses=before.file_poses
             if before is not None and same_poses
             else FilePoses.of(names, poses),
             problems=tuple(dict.fromkeys(problem for t in tagged for problem in t.problems)),
         )
+
+    def reshaped(self, changed: Mapping[int, Tagged]) -> TaggedLists:
+        """The lists after a change of nothing but the shapes of some objects, by row."""
+        bodies, hulls, still = list(self.bodies), dict(self.hulls), self.still.copy()
+        for row, tagged in changed.items():
+            assert tagged.object is not None and tagged.body is not None
+            number = int(self.rows.searchsorted(row))
+            bodies[int(self.of_bodies.searchsorted(number))] = tagged.body
+            still[number, :12] = _still_axes(tagged.stretch, tagged.body)
+            hulls.pop(tagged.object.name, None)
+            hulls |= _hulls([tagged])
+        return replace(self, bodies=tuple(bodies), hulls=hulls, still=still)
+
+
+def _hulls(tagged: Iterable[Tagged]) -> dict[str, SurfaceShape]:
+    """The shapes of haptic objects, by name, whose convex hull deviates from their surface."""
+    return {
+        t.object.name: t.surface
+        for t in tagged
+        if t.object is not None and t.surface is not None and t.surface.deviation > 0
+    }
 
 
 def _still(
@@ -126,8 +144,7 @@ def _still(
     before: TaggedLists | None,
 ) -> FloatArray:
     """Of objects with these ``stretches``, the limits of changes of world matrices (m, 16), column
-    by column: that of a turn is less the further the corners of a body are away. Those of the same
-    bodies are taken from ``before``."""
+    by column. Those of the same bodies are taken from ``before``."""
     limits = np.full((len(stretches), 16), STILL)
     if before is not None:
         kept = dict(zip(map(id, before.bodies), before.of_bodies.tolist(), strict=True))
@@ -135,6 +152,12 @@ def _still(
         limits[same] = before.still[same]
         bodies = [item for item in bodies if kept.get(id(item[2])) != item[0]]
     for k, _, body in bodies:
-        arm = np.linalg.norm(np.abs(body.shape.local_bounds).max(axis=0))
-        limits[k, :12] *= np.repeat(np.abs(stretches[k][:3]), 4) / max(float(arm), 1e-9)
+        limits[k, :12] = _still_axes(stretches[k], body)
     return limits
+
+
+def _still_axes(stretch: tuple[float, ...], body: Body) -> FloatArray:
+    """The limits of changes of the axes (12,) in the world matrix of a body: that of a turn is less
+    the further its corners are away."""
+    arm = np.linalg.norm(np.abs(body.shape.local_bounds).max(axis=0))
+    return np.asarray(STILL * (np.repeat(np.abs(stretch[:3]), 4) / max(float(arm), 1e-9)))

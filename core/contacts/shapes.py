@@ -410,17 +410,19 @@ class Primitive:
     radius: float
 
 
+def places_of(shape: Compound) -> FloatArray:
+    """The matrices (n, 4, 4) of the `parts_of` a compound."""
+    if any(isinstance(child, Compound) for child, _ in shape.children):
+        return np.array([part.matrix for part in parts_of(shape)])
+    return shape.places
+
+
 def parts_of(shape: Shape) -> tuple[Primitive, ...]:
     """The primitives that a shape is made of, compounds resolved."""
     if not isinstance(shape, Compound):
         return (Primitive(shape, np.eye(4), shape.margin),)
-    parts = []
-    for (child, _), place in zip(shape.children, shape.places, strict=True):
-        if isinstance(child, Compound):
-            parts += [
-                Primitive(part.shape, place @ part.matrix, part.radius + shape.margin)
-                for part in parts_of(child)
-            ]
-        else:
-            parts.append(Primitive(child, place, child.margin + shape.margin))
-    return tuple(parts)
+    return tuple(
+        Primitive(part.shape, place @ part.matrix, part.radius + shape.margin)
+        for (child, _), place in zip(shape.children, shape.places, strict=True)
+        for part in parts_of(child)
+    )

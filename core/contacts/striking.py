@@ -36,9 +36,15 @@ class Striking:
             mass = 4 * np.where(table.dynamic, mass, np.max(mass, where=table.dynamic, initial=0.0))
         return mass / 2 * (speed / self._settings.time_scale) ** 2
 
+    def _none_strikes(self, table: BodyTable) -> bool:
+        """Whether no body has a mass, and impacts without energy don't count."""
+        return self.least > 0 and not table.mass.any()
+
     def soon(self, table: BodyTable, history: MotionHistory) -> BoolArray:
         """Which bodies (n,) may take part in an impact within the next `_FRAMES_AHEAD` frames: all
         that move and have a mass, as soon as one of them may have the energy for it."""
+        if self._none_strikes(table):
+            return np.zeros(len(table), dtype=np.bool_)
         gain = self._weight * history.step * _FRAMES_AHEAD
         energy = self._energies(table, history.speeds() + gain)
         moving = history.moving()
@@ -49,6 +55,8 @@ class Striking:
     ) -> tuple[Paths, FloatArray] | None:
         """The paths of the bodies, and upper bounds on their energies (n,) [J]; None if none is
         fast enough for an impact. ``airborne`` as in `MotionHistory.paths`."""
+        if self._none_strikes(table):
+            return None
         if not self._turning:
             energy = self._energies(table, history.speed_bound(self._gravity))
             if not (energy >= self.least / 2).any():

@@ -143,10 +143,13 @@ class ContactTracker:
             dtype=np.bool_,
         )
         self.bodies = tuple(bodies)
-        if names != [body.name for body in before] or not all(
-            bodies[k] == before[k] or table.move_parts(k, before[k], bodies[k])
-            for k in changed.nonzero()[0].tolist()
-        ):
+        posed = np.zeros_like(changed)  # of these bodies, only parts have moved
+        fits = names == [body.name for body in before]
+        for k in changed.nonzero()[0].tolist() if fits else ():
+            posed[k] = table.move_parts(k, before[k], bodies[k])
+            if not posed[k] and bodies[k] != before[k]:
+                fits = False
+        if not fits:
             self._table = BodyTable(bodies, table)
         if names != list(known):
             number = {body.name: k for k, body in enumerate(before) if body.name in known}
@@ -155,7 +158,7 @@ class ContactTracker:
                 np.array([number.get(name, -1) for name in names], dtype=np.int64),
             )
         self._poses.forget(changed)
-        self._near.forget(self._table, changed)
+        self._near.forget(self._table, changed & ~posed)
         pairs = self._pairs
         pairs.larger, pairs.smaller = self._table.by_size(pairs.key)
         pairs.known &= ~pairs.one_of(changed)

@@ -20,6 +20,7 @@ from ..hull import Hull, convex_hull, shrunk_hull
 from ..shapes import (
     Box,
     Capsule,
+    Compound,
     Cone,
     ConvexHull,
     Cylinder,
@@ -28,6 +29,7 @@ from ..shapes import (
     Shape,
     Sphere,
     parts_of,
+    places_of,
 )
 
 
@@ -333,13 +335,11 @@ class CoreTable:
             reduced=reduced,
         )
 
-    def place(self, body: int, shape: Shape) -> None:
+    def place(self, body: int, shape: Compound) -> None:
         """Place the cores of a body as in ``shape``, which differs from its own only in their
         places."""
         cores = slice(self.start[body], self.start[body + 1])
-        matrices = np.array([part.matrix for part in parts_of(shape)]) @ np.array(
-            [core.matrix for core in self.cores[cores]]
-        )
+        matrices = places_of(shape) @ np.array([core.matrix for core in self.cores[cores]])
         self.rotation[..., cores] = matrices[:, :3, :3].transpose(1, 2, 0)
         self.offset[:, cores] = matrices[:, :3, 3].T
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import FloatArray, IntArray, chosen_of, joined
-from ..shapes import Shape
+from ..shapes import Compound, Shape
 from .body_patches import CoreContacts, PairPatches, core_contacts, reduced
 from .box_pairs import BoxPairs
 from .convex import ConvexDistances
@@ -75,7 +75,7 @@ class NarrowPhase:
         through it."""
         return self._table.thickness
 
-    def place(self, body: int, shape: Shape, bounds: FloatArray) -> bool:
+    def place(self, body: int, shape: Compound, bounds: FloatArray) -> bool:
         """Give a body of several cores the ``shape`` with these local ``bounds``, which differs
         from its own only in the places of its parts. Returns False where it has a single core, or
         no core of the table had a place."""
