@@ -63,7 +63,8 @@ class BoneParts:
         world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float32)
         metres = metres_per_unit(depsgraph.scene)
         rigid = rigid_transforms(in_metres(world.T.reshape(1, 16), metres))[0][0]
-        of_armature = np.diag((metres, metres, metres, 1.0)) @ np.array(pose.matrix_world)
+        of_armature = np.array(pose.matrix_world)
+        of_armature[:3] *= metres
         to_object = np.linalg.inv(rigid) @ of_armature
         return np.asarray(to_object @ moved @ np.linalg.inv(to_object))
 
@@ -72,17 +73,19 @@ class BoneParts:
         linear = motions[:, :3, :3]
         products = linear.transpose(0, 2, 1) @ linear
         stretched = np.abs(products - np.eye(3)).max(axis=(1, 2)) > 2 * _STRETCHED
-        children = []
-        for hull, motion, stretches in zip(self.hulls, motions, stretched.tolist(), strict=True):
-            turn = motion[:3, :3]
-            if stretches:
-                left, sizes, right = np.linalg.svd(turn)
-                side = np.sign(np.linalg.det(left @ right))  # -1 where the bone mirrors
-                turn = side * (left @ right)
-                hull = _stretched(hull, np.round(right.T * (side * sizes) @ right, 3).tobytes())
-            w, x, y, z = Matrix(turn.tolist()).to_quaternion().normalized()
-            children.append((hull, Pose(tuple(motion[:3, 3].tolist()), (w, x, y, z))))
-        return Compound(tuple(children))
+        hulls = list(self.hulls)
+        turns = linear.copy()
+        for part in np.flatnonzero(stretched).tolist():
+            left, sizes, right = np.linalg.svd(linear[part])
+            side = np.sign(np.linalg.det(left @ right))  # -1 where the bone mirrors
+            turns[part] = side * (left @ right)
+            stretch = np.round(right.T * (side * sizes) @ right, 3)
+            hulls[part] = _stretched(hulls[part], stretch.tobytes())
+        poses = (
+            Pose(place, Matrix(turn).to_quaternion().normalized())
+            for place, turn in zip(motions[:, :3, 3].tolist(), turns.tolist(), strict=True)
+        )
+        return Compound(tuple(zip(hulls, poses, strict=True)))
 
     def deviation(
         self, motions: FloatArray, obj: Object, depsgraph: Depsgraph, stretch: FloatArray

@@ -67,6 +67,7 @@ class SceneReader:
         self._session_ids: NDArray[np.int32] | None = None
         self._present = np.zeros(0, dtype=np.int32)  # session ids
         self._tagged: dict[int, Tagged] = {}  # by row
+        self._rows: dict[int, int] = {}  # of the tagged objects, by session id
         self._shapes: dict[
             int, tuple[Any, Any, SurfaceShape]
         ] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
@@ -243,6 +244,7 @@ class SceneReader:
             for row, obj in enumerate(bpy.data.objects)
             if obj.session_uid in shown and is_tagged(obj)
         }
+        self._rows = {obj.session_uid: row for row, obj in tagged.items()}
         self._lists = None
         self._rebuilt = {}
         self._curves.clear()
@@ -379,14 +381,13 @@ class SceneReader:
         reshaped: dict[int, Tagged] = {}
         if lists is self._lists:
             unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
-            if unchecked and self._session_ids is not None:
-                objects = lists.rows[lists.rows < len(self._session_ids)]
-                own = self._session_ids[objects]
-                numbers = np.flatnonzero(np.isin(own, list(unchecked)))
-                kept = (raw_tagged[numbers] == self._raw[numbers]).all(axis=1)
-                for row, is_kept in zip(objects[numbers].tolist(), kept.tolist(), strict=True):
-                    is_known = is_kept and row not in rows
-                    tagged = self._reshaped(row, depsgraph) if is_known else None
+            if unchecked:
+                for row in sorted(self._rows[i] for i in unchecked & self._rows.keys()):
+                    number = int(lists.rows.searchsorted(row))
+                    is_kept = row not in rows and np.array_equal(
+                        raw_tagged[number], self._raw[number]
+                    )
+                    tagged = self._reshaped(row, depsgraph) if is_kept else None
                     if tagged is None:
                         rows.add(row)
                     elif tagged is not self._tagged[row]:
