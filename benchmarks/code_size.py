@@ -1,9 +1,9 @@
 """Measures the size of the code: tokens, lines and bytes of data per folder, and the longest and
 the most complex functions.
 
-python benchmarks/code_size.py [COMMIT]     tables of the working tree, beside a commit python
-benchmarks/code_size.py --total      one line: the tokens of all that is shipped, beside those
-stored in results/code_size.json python benchmarks/code_size.py --store      store them
+    python benchmarks/code_size.py [COMMIT]   tables of the working tree, beside those of a commit
+    python benchmarks/code_size.py --total    the tokens of all that is shipped, in one line
+    python benchmarks/code_size.py --store    store them, for --total to show what has changed
 
 Tokens are Python's own, of 3.12 and later, without comments, docstrings and layout. A string
 literal counts as many as it has words between spaces, and at least one; so does each piece of an
