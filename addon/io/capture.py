@@ -15,11 +15,11 @@ from ...core.formats.export import Export
 from ...core.formats.scene.recording import Recording, SceneRecorder
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.formats.tracks.track_recorder import TrackRecorder
+from ...core.modalities import MODALITIES
 from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import HapticScene
 from ..blender.words import Told
-from ..properties.modalities import SHOWN
 from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
 
@@ -179,7 +179,7 @@ def expected(scene: bpy.types.Scene, ranged: bool, collection: str = "") -> Expo
     )
     modalities = tuple(
         ModalityScene(item)
-        for item in SHOWN
+        for item in MODALITIES.values()
         if getattr(scene.haptics.modalities, item.name).enabled
     )
     return Export(

@@ -16,6 +16,7 @@ from bpy.types import Context, Depsgraph, Object
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
 from ...core.forms import JsonObject
+from ...core.modalities import MODALITIES
 from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import (
@@ -28,7 +29,6 @@ from ...core.scene.values import (
     TriggerKind,
 )
 from ..blender.single_precision import shortest
-from ..properties.modalities import SHOWN
 from ..scene_reader.imported import FileContacts, file_contacts, stored_extras, stored_item
 from ..scene_reader.modalities import read_modality
 from ..scene_reader.problem import why_untraced
@@ -110,7 +110,7 @@ def written_modalities(
     written ``frame``; ``names``: only sources of these names. Raises ValueError with a message for
     the user."""
     objects = {item.name for item in frame.objects}
-    found = (read_modality(modality, scene, objects) for modality in SHOWN)
+    found = (read_modality(modality, scene, objects) for modality in MODALITIES.values())
     return tuple(
         item
         if names is None

@@ -17,6 +17,7 @@ from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of, without_rubbing
 from ...core.formats.scene.values_json import item_to_dict
 from ...core.forms import Form
+from ...core.modalities import MODALITIES
 from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.values import Contact, HapticObject, Listener, Pose, Source, Vector
@@ -25,7 +26,6 @@ from ..blender.units import metres_per_unit
 from ..properties.actuators import MUTED as ACTUATORS_MUTED
 from ..properties.declared import write_values
 from ..properties.materials import add_material, own_values
-from ..properties.modalities import SHOWN
 from ..scene_reader.functions import read_transmission
 from ..scene_reader.imported import file_contacts, near, text_of, text_of_contacts, text_with
 from ..scene_reader.objects import read_object
@@ -141,7 +141,7 @@ class _Builder:
                 haptics.material.name = material  # and its values, which the object's own replace
             write_body(haptics, item)
             numbers: dict[str, float] = {}
-            for modality in SHOWN:
+            for modality in MODALITIES.values():
                 numbers |= write_modality(
                     obj, parts.get(modality.name, ModalityScene(modality)), item.name
                 )

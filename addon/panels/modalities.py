@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from bpy.types import Context, Panel, UILayout
 
-from ...core.modalities import Modality
+from ...core.modalities import MODALITIES, Modality
 from ..blender.words import show
-from ..properties.modalities import SHOWN
 from ..session import sessions
 from .drawing import ObjectPanel, ScenePanel, draw_carrier, settings_layout
 from .formula import draw_parameters
@@ -84,4 +83,6 @@ def _panel(
     return type(name, (kind, Panel), given)
 
 
-PANELS = tuple(panel(modality) for modality in SHOWN for panel in (_scene_panel, _object_panel))
+PANELS = tuple(
+    panel(modality) for modality in MODALITIES.values() for panel in (_scene_panel, _object_panel)
+)

@@ -1,5 +1,5 @@
-"""The properties of every modality without samples, generated from its definition: those of
-objects, of sources and of the scene."""
+"""The properties of every modality, generated from its definition: those of objects, of sources and
+of the scene."""
 
 from __future__ import annotations
 
@@ -14,11 +14,6 @@ from .callbacks import changed, updating
 from .declared import holding
 from .function import FunctionParameters, function_property
 from .kinds import switch
-
-SHOWN: tuple[Modality, ...] = tuple(
-    modality for modality in MODALITIES.values() if not modality.sampled
-)
-"""The modalities other than vibration, which has its own properties and panels."""
 
 
 def _group(
@@ -60,8 +55,8 @@ def _container(name: str, groups: dict[str, type[PropertyGroup]]) -> type[Proper
     )
 
 
-_OBJECT_GROUPS = {modality.name: _object_group(modality) for modality in SHOWN}
-_SCENE_GROUPS = {modality.name: _scene_group(modality) for modality in SHOWN}
+_OBJECT_GROUPS = {name: _object_group(modality) for name, modality in MODALITIES.items()}
+_SCENE_GROUPS = {name: _scene_group(modality) for name, modality in MODALITIES.items()}
 HapticObjectModalities = _container("HapticObjectModalities", _OBJECT_GROUPS)
 HapticSceneModalities = _container("HapticSceneModalities", _SCENE_GROUPS)
 

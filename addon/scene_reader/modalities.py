@@ -9,13 +9,12 @@ from bpy.types import Object, Scene
 
 from ...core.declaration import declared
 from ...core.forms import JsonObject
-from ...core.modalities import Modality
+from ...core.modalities import MODALITIES, Modality
 from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.functions import ALL_FUNCTIONS
 from ...core.scene.values import HapticObject, Vector
 from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
-from ..properties.modalities import SHOWN
 from .imported import near, stored_modalities
 from .roles import haptic_carrier
 
@@ -26,7 +25,7 @@ def read_modalities(
     """The values of the haptic ``objects`` for the enabled modalities, and their problems."""
     found = []
     errors = []
-    for modality in SHOWN:
+    for modality in MODALITIES.values():
         if getattr(scene.haptics.modalities, modality.name).enabled:
             try:
                 found.append(read_modality(modality, scene, {item.name for item in objects}))

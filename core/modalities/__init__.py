@@ -1,5 +1,5 @@
-"""Modalities: kinds of sensation that share the objects, contacts and listeners of a scene, each
-with its own functions, values and unit.
+"""Modalities: kinds of sensation beside vibration that share the objects, contacts and listeners of
+a scene, each with its own functions, values and unit.
 
 A further modality is a module with one `Modality` value, listed in `MODALITIES`. `propagation`
 computes its values at listeners.
@@ -12,11 +12,10 @@ from types import MappingProxyType
 
 from .modality import Modality
 from .thermal import THERMAL
-from .vibrotactile import VIBROTACTILE
 
 MODALITIES: Mapping[str, Modality] = MappingProxyType(
-    {modality.name: modality for modality in (VIBROTACTILE, THERMAL)}
+    {modality.name: modality for modality in (THERMAL,)}
 )
 """The modalities by name."""
 
-__all__ = ["MODALITIES", "THERMAL", "VIBROTACTILE", "Modality"]
+__all__ = ["MODALITIES", "THERMAL", "Modality"]

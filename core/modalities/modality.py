@@ -11,12 +11,11 @@ from ..scene.choices import Strategy
 
 @frozen
 class Modality:
-    """One kind of sensation: vibrotactile, thermal, ...
+    """One kind of sensation that has one value per frame, such as warmth.
 
     functions: names of the objects' functions, the default first. values: a class that declares the
     numbers of an object, named like the parameters of its functions and the fields of
     `core.scene.materials.Material`; ``source``: one whose first number is that of a source.
-    ``sampled``: a signal has samples (vibration), otherwise one value per frame (temperature).
     ``strategy`` computes the gains. ``transmission``: gain of a contact from the values of the
     object that the signal enters. ``sensations``: ascending pairs of the least value at a listener
     and the sensation.
@@ -28,7 +27,6 @@ class Modality:
     functions: tuple[str, ...]
     values: type
     source: type
-    sampled: bool
     strategy: Strategy
     sensations: tuple[tuple[float, str], ...]
     transmission: Callable[[Mapping[str, float]], float]

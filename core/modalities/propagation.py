@@ -1,4 +1,4 @@
-"""Propagation of modalities without samples: one value per listener and frame."""
+"""Propagation of modalities: one value per listener and frame."""
 
 from __future__ import annotations
 
@@ -126,10 +126,6 @@ class ModalityScene:
         the reason.
         """
         modality = self.modality
-        if modality.sampled:
-            raise ValueError(
-                f"modality: {modality.name!r} has sampled signals, which the tracer renders"
-            )
         own = {name: {**modality.defaults(), **self.values.get(name, {})} for name in names}
         objects = [
             HapticObject(

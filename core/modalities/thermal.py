@@ -51,7 +51,6 @@ THERMAL = Modality(
     functions=("conduction", "exponential", "linear", "constant", "expression"),
     values=Conduction,
     source=Warmth,
-    sampled=False,
     strategy=Strategy.BEST_PATH,
     # Skin is at about 33 °C: in a room of 21 °C an object feels warm from 12 K above the room on;
     # from 45 °C on it hurts.

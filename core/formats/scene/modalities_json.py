@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
 from ...declaration import Number
 from ...forms import Form, JsonObject
 from ...modalities import MODALITIES, Modality
 from ...modalities.propagation import Emitter, ModalityScene, propagation_function
-from ...scene.references import Place, PlacedError, require_known
+from ...scene.references import Place, PlacedError, require_known, require_new
 from ...scene.values import HapticScene
 from ..io.error import errors_in
-
-CARRIED: Mapping[str, Modality] = {
-    name: modality for name, modality in MODALITIES.items() if not modality.sampled
-}
-"""The modalities that have a section in files."""
+from .values_json import read_items, read_value
 
 
 def modalities_to_dict(scenes: Iterable[ModalityScene]) -> JsonObject:
@@ -59,9 +56,11 @@ def modalities_from_dict(
 
 def _read(name: str, form: Form, objects: set[str]) -> ModalityScene:
     place: Place = ("modalities", name)
-    modality = CARRIED.get(name)
+    modality = MODALITIES.get(name)
     if modality is None:
-        raise PlacedError(place, f"there is no modality {name!r}; known are {', '.join(CARRIED)}")
+        raise PlacedError(
+            place, f"there is no modality {name!r}; known are {', '.join(MODALITIES)}"
+        )
     values: dict[str, Mapping[str, float]] = {}
     forms: dict[str, Form] = {}
     for i, item in enumerate(form.get("objects", [])):
@@ -75,15 +74,12 @@ def _read(name: str, form: Form, objects: set[str]) -> ModalityScene:
         if "propagation" in item:
             forms[called] = _function(modality, item["propagation"], (*own, "propagation"))
     emitters: dict[str, Emitter] = {}
-    for i, item in enumerate(form.get("sources", [])):
+    for i, emitter in enumerate(read_items(form, "sources", partial(read_value, Emitter), place)):
         own = (*place, "sources", i)
-        called = item["name"]
-        require_known(item["object"], objects, "object", (*own, "object"))
-        if called in emitters:
-            raise PlacedError((*own, "name"), f"there is a source {called!r} already")
-        _check_quantity(modality.source_value, item["value"], (*own, "value"))
-        x, y, z = item["position"]
-        emitters[called] = Emitter(called, item["object"], (x, y, z), item["value"])
+        require_known(emitter.object, objects, "object", (*own, "object"))
+        require_new(emitter.name, emitters, "source", (*own, "name"))
+        _check_quantity(modality.source_value, emitter.value, (*own, "value"))
+        emitters[emitter.name] = emitter
     return ModalityScene(
         modality=modality,
         values={key: given for key, given in values.items() if given},

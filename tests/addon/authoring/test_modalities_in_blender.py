@@ -71,9 +71,7 @@ def test_contacts_that_only_warmth_needs_are_found_while_previewing(fireplace, s
     assert sessions.felt_in(scene)[0].values[0] > 0
 
 
-@pytest.mark.parametrize(
-    "modality", [m for m in MODALITIES.values() if not m.sampled], ids=lambda m: m.name
-)
+@pytest.mark.parametrize("modality", MODALITIES.values(), ids=MODALITIES)
 def test_properties_are_those_of_the_data(modality, add_box):
     group = getattr(add_box("box", (0, 0, 0), (1, 1, 1)).haptics.modalities, modality.name)
     for name, quantity in modality.quantities.items():

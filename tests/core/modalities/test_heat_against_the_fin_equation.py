@@ -9,7 +9,7 @@ import haptic_tracing
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.modalities import MODALITIES, THERMAL, VIBROTACTILE
+from haptic_tracing.core.modalities import MODALITIES, THERMAL
 from haptic_tracing.core.modalities.propagation import Emitter, ModalityScene
 from haptic_tracing.core.modalities.thermal import JOINT
 from haptic_tracing.core.scene.functions import FUNCTIONS, Conduction
@@ -103,8 +103,6 @@ def test_an_author_may_choose_another_function_of_the_modality():
         replace(fire, forms={"a": {"function": "haptic_tracing"}}).felt(
             ("a",), contacts, listeners, Settings()
         )
-    with pytest.raises(ValueError, match="sampled"):
-        ModalityScene(VIBROTACTILE).felt((), contacts, [], Settings())
 
 
 def test_nothing_is_felt_where_nobody_emits():
