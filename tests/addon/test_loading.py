@@ -26,7 +26,6 @@ LEAVES = {
     "modalities",
     "modalities.modality",
     "modalities.thermal",
-    "modalities.vibrotactile",
     "perception",  # closed forms: a listener has a calibration
     "render",
 }
