@@ -101,7 +101,7 @@ def measured(
         played[: len(wave)] += wave
     timed = ListenerTrack("hand", "hand.L", impacts)
     comparison = Comparison(Tracks((timed,), RATE, samples[None]), Measures(Kind.WAVE))
-    comparison.add(0, samples, played[:: comparison.thinning])
+    comparison.add(0, played[:: comparison.thinning])
     (listener,) = comparison.result().listeners
     told, waves = written.fidelity, written.fidelity.kind is Kind.WAVE
     span = (told.low, told.high) if waves else (1.5, RATE / 2)

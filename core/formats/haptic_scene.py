@@ -56,7 +56,7 @@ def write(
 ) -> list[Path]:
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
     if export.tracks is not None and measured is not None:
-        wav.compare_encoded(export.tracks, options["encoding"], measured)
+        wav.compare_encoded(options["encoding"], measured)
     path = scene_file(export.name, folder, "scene")
     path = path.with_name(f"{path.name}.gz") if options["compressed"] else path
     return write_export(

@@ -97,9 +97,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
             continuous = [
                 _event("HapticContinuous", 0.0, 0.0, LOWEST, min(row.duration, LONGEST_EVENT))
             ]
-        compare_carriers(
-            row, number, carriers_of(continuous, {}) + carriers_of(clicks, {}), measured
-        )
+        compare_carriers(number, carriers_of(continuous, {}) + carriers_of(clicks, {}), measured)
         files.append(_write(path, export, listener, continuous or clicks))
         if continuous and clicks:
             files.append(_write(path.with_suffix(TRANSIENTS_SUFFIX), export, listener, clicks))

@@ -13,7 +13,7 @@ from ...frozen import frozen
 from ...signals import Automation, Delay, Keyed, Saw, Signal, Sine, Square, Triangle
 from ...signals.oscillators import Oscillator
 from .comparison import Comparison
-from .listener_tracks import CHUNK, Row
+from .listener_tracks import CHUNK
 
 _OSCILLATORS: dict[str, tuple[Oscillator, float]] = {
     "sine": (Sine(), 0.0),
@@ -182,23 +182,21 @@ def rendered(carriers: Iterable[Carrier], first: int, last: int, rate: float) ->
     return samples
 
 
-def compare_carriers(
-    original: Row, listener: int, carriers: Iterable[Carrier], measured: Comparison
-) -> None:
+def compare_carriers(listener: int, carriers: Iterable[Carrier], measured: Comparison) -> None:
     """Compare the samples of a listener with the carriers that are played instead."""
-    player = CarrierPlayer(original, listener, measured)
+    player = CarrierPlayer(listener, measured)
     player.add(carriers)
     player.play_until(math.inf)
 
 
 class CarrierPlayer:
-    """Renders carriers and hands them with the original samples to a comparison, in pieces.
+    """Renders the carriers of a listener and hands them to a comparison, in pieces.
 
     Carriers are added in any order, before the time that they begin at is played.
     """
 
-    def __init__(self, original: Row, listener: int, measured: Comparison) -> None:
-        self._original, self._listener, self._measured = original, listener, measured
+    def __init__(self, listener: int, measured: Comparison) -> None:
+        self._listener, self._measured = listener, measured
         self._carriers: list[Carrier] = []
         self._done = 0
 
@@ -209,19 +207,15 @@ class CarrierPlayer:
     def play_until(self, time: float) -> None:
         """Compare all samples before ``time`` (seconds); carriers that end before it are
         dropped."""
-        count, thinning = self._original.count, self._measured.thinning
-        rate = self._original.sample_rate / thinning
+        tracks, thinning = self._measured.tracks, self._measured.thinning
+        count, rate = tracks.count, tracks.sample_rate / thinning
         last = count if math.isinf(time) else min(math.floor(time * rate) * thinning, count)
         while self._done < last:
             first = self._done
             end = min(self._done + CHUNK // thinning * thinning, last)
             played = rendered(self._carriers, first // thinning, -(-end // thinning), rate)
-            self._measured.add(
-                self._listener, self._original.read(first, end), np.clip(played, -1.0, 1.0)
-            )
+            self._measured.add(self._listener, np.clip(played, -1.0, 1.0))
             self._done = end
             self._carriers = [
-                carrier
-                for carrier in self._carriers
-                if carrier.end * self._original.sample_rate > end
+                carrier for carrier in self._carriers if carrier.end * tracks.sample_rate > end
             ]

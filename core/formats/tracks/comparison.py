@@ -51,6 +51,8 @@ _BEFORE, _AFTER = 30, 120
 _MOMENT = 6
 """Milliseconds of a quiet moment: no tone has one, but a train of 60 pulses a second does."""
 _SILENT = 1e-12
+_ALL = 2
+"""The bin of the spectra, of a frequency that counts, that has all power where none is computed."""
 
 
 class Kind(enum.Enum):
@@ -176,40 +178,38 @@ def _percent(share: float) -> str:
 
 
 class Comparison:
-    """Collects the measures while a format is written.
+    """Collects the measures while a format of ``tracks`` is written.
 
-    ``add`` is called for each listener with consecutive pieces of the samples and of the decoded
-    signal: samples, or amplitudes for `Kind.LEVEL`. ``thinning``: decimation factor of the decoded
-    signal, because only formats that keep samples have frequencies above 1000 Hz. ``progress``:
-    called after each piece with the share that is written; its exceptions end the writing.
+    ``add`` is called for each listener with consecutive pieces of the decoded signal: samples, or
+    amplitudes for `Kind.LEVEL`. ``thinning``: decimation factor of the decoded signal, because only
+    formats that keep samples have frequencies above 1000 Hz. ``progress``: called after each piece
+    with the share that is written; its exceptions end the writing.
     """
 
     def __init__(
         self, tracks: Tracks, measures: Measures, progress: Callable[[float], None] | None = None
     ) -> None:
+        self.tracks = tracks
         self.kind, self.low, self.high = measures.kind, measures.low, measures.high
         self._progress = progress
-        self._count = 0
-        self._total = max(len(tracks.listeners) * tracks.count, 1)
         self._rate = tracks.sample_rate
         self.thinning = 1 if self.kind is Kind.SAMPLES else max(self._rate // LOWEST_RATE, 1)
         self._listeners = [
-            _Listener(track.name, track.impacts[:, 0], self._rate, self.thinning, self.kind)
-            for track in tracks.listeners
+            _Listener(tracks, number, self.thinning, self.kind)
+            for number in range(len(tracks.listeners))
         ]
 
-    def add(self, listener: int, original: FloatArray, decoded: FloatArray) -> None:
-        """Add the next samples of a listener, shape (n,), and the decoded signal, shape (ceil(n /
+    def add(self, listener: int, decoded: FloatArray) -> None:
+        """Add the decoded signal of the next n samples of a listener, shape (ceil(n /
         thinning),)."""
-        self._listeners[listener].add(original, decoded)
-        self._count += len(original)
+        self._listeners[listener].add(decoded)
         if self._progress is not None:
-            self._progress(min(self._count / self._total, 1.0))
+            self._progress(
+                sum(part.done for part in self._listeners) / max(self.tracks.samples.size, 1)
+            )
 
     def result(self) -> Fidelity | None:
         """The measures of all added samples; None for silence."""
-        if self.kind is Kind.SAMPLES:
-            return self._of_samples()
         parts = np.array([part.finished() for part in self._listeners])
         parts[:, :, [0, -1]] /= 2  # these bins have no counterpart at negative frequencies
         hertz = np.arange(self._bins) / (2 * (self._bins - 1)) * self._rate
@@ -219,7 +219,7 @@ class Comparison:
         total = float(original.sum())
         if total <= _SILENT:
             return None
-        is_wave = self.kind is Kind.WAVE
+        is_wave = self.kind in (Kind.SAMPLES, Kind.WAVE)
         compared = within if is_wave else np.ones(self._bins, dtype=np.bool_)
         lags = [lag for part in self._listeners for lag in part.lags()]
         powers = parts[:, :, compared].sum(axis=2)
@@ -233,30 +233,11 @@ class Comparison:
             if is_wave
             else None,
             band_levels=()
-            if self.kind is Kind.LEVEL
+            if self.kind in (Kind.SAMPLES, Kind.LEVEL)
             else tuple(_band_levels(hertz, original, decoded, within)),
             level=_decibels(float(decoded[compared].sum()), float(original[compared].sum())),
             onset=float(np.percentile(np.abs(lags), 95)) if lags else None,
             listeners=self._by_listener(powers, has_error=is_wave),
-        )
-
-    def _of_samples(self) -> Fidelity | None:
-        powers = np.array([part.powers for part in self._listeners])
-        total, kept, lost = powers.sum(axis=0).tolist()
-        if total <= _SILENT:
-            return None
-        listeners = self._by_listener(powers, has_error=True)
-        return Fidelity(
-            self.kind,
-            0.0,
-            self._rate / 2,
-            0.0,
-            lost / total,
-            lost / total,
-            (),
-            _decibels(kept, total),
-            None,
-            listeners,
         )
 
     def _by_listener(self, powers: FloatArray, *, has_error: bool) -> tuple[ListenerFidelity, ...]:
@@ -303,10 +284,14 @@ def _band_levels(
 
 
 class _Listener:
-    def __init__(
-        self, name: str, impacts: FloatArray, rate: int, thinning: int, kind: Kind
-    ) -> None:
-        self.name, self._impacts, self._thinning, self._kind = name, impacts, thinning, kind
+    """The measures of one listener; ``done``: of how many samples."""
+
+    def __init__(self, tracks: Tracks, number: int, thinning: int, kind: Kind) -> None:
+        track, rate = tracks.listeners[number], tracks.sample_rate
+        self.name, self._impacts = track.name, track.impacts[:, 0]
+        self._samples, self._row = tracks.samples[number], tracks.row(number)
+        self._thinning, self._kind = thinning, kind
+        self.done = 0
         size = _size(rate, thinning)
         # Sine windows with half an overlap: their squares add up to 1, so that powers add up to the
         # signal's.
@@ -314,23 +299,21 @@ class _Listener:
         self._pending = [np.zeros(size // 2), np.zeros(size // 2 // thinning)]
         self._sums = np.zeros((3, size // 2 + 1))
         self._envelopes = _Envelope(rate), _Envelope(rate / thinning)
-        self.powers = np.zeros(3)
 
-    def add(self, original: FloatArray, decoded: FloatArray) -> None:
+    def add(self, decoded: FloatArray) -> None:
         if self._kind is Kind.SAMPLES:
-            error = original - decoded
-            self.powers += [
-                np.dot(original, original),
-                np.dot(decoded, decoded),
-                np.dot(error, error),
-            ]
+            end = self.done + len(decoded)
+            original = np.asarray(self._samples[self.done : end], dtype=np.float64)
+            signals = original, decoded, original - decoded
+            self._sums[:, _ALL] += [np.dot(signal, signal) for signal in signals]
+            self.done = end
             return
         step = PIECE // self._thinning
         for k in range(0, len(decoded), step):
-            pieces = (
-                original[k * self._thinning : (k + step) * self._thinning],
-                decoded[k : k + step],
-            )
+            played = decoded[k : k + step]
+            end = min(self.done + len(played) * self._thinning, self._row.count)
+            pieces = self._row.read(self.done, end), played
+            self.done = end
             for envelope, samples in zip(self._envelopes, pieces, strict=True):
                 envelope.add(samples)
             self._pending = [
@@ -362,9 +345,8 @@ class _Listener:
         )
         self._pending = [self._pending[0][count * hop :], self._pending[1][count * hop // step :]]
         if self._kind is Kind.LEVEL:
-            # All power in one bin that counts.
             played = [
-                np.array([0, 0, step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))])
+                np.pad([step * math.sqrt(float(np.dot(thin, thin)) * size / (4 * step))], (_ALL, 0))
                 for thin in thins
             ]
         else:

@@ -49,7 +49,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
             for begin in range(0, block.shape[1], _LINES):
                 file.writelines(_lines(tracks, first + begin, block[:, begin : begin + _LINES]))
             first += block.shape[1]
-    wav.compare_encoded(tracks, "pcm16", measured)
+    wav.compare_encoded("pcm16", measured)
     return [path]
 
 

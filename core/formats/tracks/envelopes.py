@@ -278,24 +278,15 @@ def _spread(values: FloatArray, reach: FloatArray) -> FloatArray:
     return np.convolve(np.pad(values, len(reach) // 2), reach, "valid")
 
 
-def compare_steps(
-    row: Row, listener: int, amplitudes: FloatArray, step: float, measured: Comparison
-) -> None:
-    """Measure how faithful amplitudes are to a listener's samples.
-
-    Args:
-        row: the samples.
-        listener: its number.
-        amplitudes: as written, each of which holds for one step (n,).
-        step: [s].
-        measured: takes over the result.
-    """
-    for first, samples in row.chunks(CHUNK // measured.thinning * measured.thinning):
-        times = np.arange(first, first + len(samples), measured.thinning) / row.sample_rate
+def compare_steps(listener: int, amplitudes: FloatArray, step: float, measured: Comparison) -> None:
+    """Compare a listener's samples with ``amplitudes`` (n,), each of which holds for ``step``
+    seconds."""
+    count, thinning = measured.tracks.count, measured.thinning
+    for first in range(0, count, CHUNK // thinning * thinning):
+        end = min(first + CHUNK // thinning * thinning, count)
+        times = np.arange(first, end, thinning) / measured.tracks.sample_rate
         measured.add(
-            listener,
-            samples,
-            amplitudes[np.minimum((times / step).astype(np.int64), len(amplitudes) - 1)],
+            listener, amplitudes[np.minimum((times / step).astype(np.int64), len(amplitudes) - 1)]
         )
 
 

@@ -65,7 +65,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
             carrier = single_carrier(row, Fit(error=options["error"], lowest=low, highest=high))
         document = _document(export, listener, carrier, low, high, bursts)
         played = _carriers(document["signals"]["continuous"]["envelopes"], low, high, str(path))
-        compare_carriers(row, number, played, measured)
+        compare_carriers(number, played, measured)
         files.append(write_compact(path, document))
         files.append(
             write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high))

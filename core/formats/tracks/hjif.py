@@ -150,11 +150,11 @@ def _channel(
         )[:-1]
         + ',"bands":['
     )
-    row = original = tracks.row(number)
+    row = tracks.row(number)
     transients = np.zeros((0, 2))
     if options["transients"]:
         row, transients = without_transients(row, listener.impacts, 1 / TIMESCALE)
-    bands = _bands(row, original, options["error"], number, transients, measured)
+    bands = _bands(row, options["error"], number, transients, measured)
     texts = [band.text() for _, band in sorted(bands.items())]
     if len(transients):
         texts.append(compact(_transient_band(transients)))
@@ -163,7 +163,6 @@ def _channel(
 
 def _bands(
     row: Row,
-    original: Row,
     error: float,
     listener: int,
     transients: FloatArray,
@@ -173,7 +172,6 @@ def _bands(
 
     Args:
         row: the samples without transients.
-        original: the samples that what is written is compared with.
         error: of the fit.
         listener: its number.
         transients: (k, 2) times and strengths.
@@ -189,7 +187,7 @@ def _bands(
     )
     found: dict[int, _Band] = {}
     narrow = bands_for(row, EDGES)
-    player = CarrierPlayer(original, listener, measured)
+    player = CarrierPlayer(listener, measured)
     player.add(transient_carrier(time, strength) for time, strength in transients.tolist())
     for complete, fitted in fit_bands(row, narrow, fit):
         for band, carriers in zip(narrow, fitted, strict=True):

@@ -34,7 +34,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     for number, listener, row, path in listener_files(export, folder, "hla"):
         amplitude, _ = vibration_envelope(row, step)
         levels = np.rint(np.clip(amplitude, 0.0, 1.0) * 255).astype(np.int64)
-        compare_steps(row, number, levels / 255, step, measured)
+        compare_steps(number, levels / 255, step, measured)
         first = np.flatnonzero(np.diff(levels, prepend=-1))
         lengths = np.diff(first, append=len(levels)) * options["step"]
         document = {

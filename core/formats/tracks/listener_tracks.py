@@ -88,11 +88,6 @@ class Row:
         np.clip(self._samples[begin:end], -1.0, 1.0, out=result[begin - first : end - first])
         return result
 
-    def chunks(self, size: int = CHUNK) -> Iterator[tuple[int, FloatArray]]:
-        """The samples in pieces of at most ``size``, each with the index of its first sample."""
-        for first in range(0, self.count, size):
-            yield first, self.read(first, min(first + size, self.count))
-
 
 @frozen(eq=False)
 class Tracks:

@@ -42,7 +42,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
         for name, array in _small_arrays(export).items():
             with archive.open(f"{name}.npy", "w") as entry:
                 np.lib.format.write_array(entry, array, allow_pickle=False)
-    wav.compare_encoded(tracks, "float32", measured)
+    wav.compare_encoded("float32", measured)
     return [path]
 
 

@@ -40,7 +40,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     if len(tracks.listeners) > 32767 or len(recording.name.encode()) > 64:
         raise ValueError(f"{path}: more listeners, or a longer name, than an OHM file can hold")
     wav.write_wav(tracks, recording, _ENCODING, credit(export))
-    wav.compare_encoded(tracks, _ENCODING, measured)
+    wav.compare_encoded(_ENCODING, measured)
     head = b"OHM " + struct.pack(">hh", 1, 1) + _text(export.name, 32)
     element = (
         _text(recording.name, 64)

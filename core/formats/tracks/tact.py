@@ -127,9 +127,9 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     levels = np.array([vibration_envelope(row, INTERVAL / 1000)[0] for row in rows])
     steps = np.rint(np.clip(levels, 0.0, 1.0) * options["levels"]).astype(np.int64)
     shared = _together(driven)
-    for number, row in enumerate(rows):
+    for number in range(len(rows)):
         played = steps[shared[number]].max(axis=0) if number in shared else np.zeros(steps.shape[1])
-        compare_steps(row, number, played / options["levels"], INTERVAL / 1000, measured)
+        compare_steps(number, played / options["levels"], INTERVAL / 1000, measured)
     files = []
     for device, stem in zip(devices, stems, strict=True):
         modes = {

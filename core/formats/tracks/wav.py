@@ -66,15 +66,11 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     path = scene_file(export.name, folder, "wav")
     write_wav(tracks, path, options["encoding"], credit(export))
     if tracks is original:
-        compare_encoded(tracks, options["encoding"], measured)
+        compare_encoded(options["encoding"], measured)
     else:
         again = at_rate(tracks, original.sample_rate)
-        for number in range(len(original.listeners)):
-            measured.add(
-                number,
-                original.row(number).read(0, original.count),
-                again.row(number).read(0, original.count),
-            )
+        for number, samples in enumerate(again.samples):
+            measured.add(number, np.asarray(samples[: original.count], dtype=np.float64))
     sidecar = path.with_suffix(SIDECAR_SUFFIX)
     return [
         path,
@@ -220,13 +216,11 @@ def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
             yield block.astype("<f4")
 
 
-def compare_encoded(tracks: Tracks, encoding: str, measured: Comparison) -> None:
+def compare_encoded(encoding: str, measured: Comparison) -> None:
     """Measure the losses of encoding the samples."""
-    for block, coded in zip(tracks.blocks(), encoded(tracks, encoding), strict=True):
-        for number, (row, values) in enumerate(
-            zip(block, coded / np.float64(FULL_SCALE[encoding]), strict=True)
-        ):
-            measured.add(number, np.asarray(row, dtype=np.float64), values)
+    for coded in encoded(measured.tracks, encoding):
+        for number, values in enumerate(coded / np.float64(FULL_SCALE[encoding])):
+            measured.add(number, values)
 
 
 class StoredSamples:

@@ -86,11 +86,8 @@ def _packed(tracks: Tracks, number: int, rate: int, measured: Comparison) -> tup
     """A listener's samples at ``rate``, a byte each, compressed, as text; and its level as SVG."""
     row = tracks.row(number).read(0, tracks.count)
     coded = encoded(resample(row, tracks.sample_rate, rate))
-    measured.add(
-        number,
-        row,
-        resample(decoded(coded), rate, tracks.sample_rate)[: len(row) : measured.thinning],
-    )
+    played = resample(decoded(coded), rate, tracks.sample_rate)[: len(row) : measured.thinning]
+    measured.add(number, played)
     text = base64.b64encode(zlib.compress(coded.tobytes(), 9)).decode("ascii")
     return text, lane.svg(row, tracks.sample_rate)
 

@@ -76,7 +76,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     files = []
     for number, (listener, stem) in enumerate(zip(tracks.listeners, stems, strict=True)):
         clip = _clip(tracks.row(number), listener, options)
-        compare_carriers(tracks.row(number), number, _carriers_of(clip, {}), measured)
+        compare_carriers(number, _carriers_of(clip, {}), measured)
         files.append(write_compact(inside / f"{stem}{FORMATS['wyvrn'].suffix}", clip))
     events = [
         {

@@ -76,7 +76,7 @@ def test_a_known_error_is_measured_by_band():
     half = 0.2 * np.sin(2 * np.pi * 60 * TIME)
     for first in range(0, len(TIME), 999):
         part = slice(first, first + 999)
-        measured.add(0, tracks.samples[0, part], half[part][:: measured.thinning])
+        measured.add(0, half[part][:: measured.thinning])
     found = measured.result()
     assert measured.thinning == 3
     assert found.lost == pytest.approx((0.2**2 + 0.2**2) / (0.4**2 + 0.2**2), abs=0.005)
@@ -96,7 +96,7 @@ def test_late_onsets_are_measured(late, piece):
     played = np.roll(blows(), late * RATE // 1000)
     for first in range(0, len(TIME), piece):
         part = slice(first, first + piece)
-        measured.add(0, tracks.samples[0, part], played[part][:: measured.thinning])
+        measured.add(0, played[part][:: measured.thinning])
     assert measured.result().onset == pytest.approx(abs(late), abs=1)
 
 
@@ -104,7 +104,7 @@ def test_the_listener_who_loses_most_is_named():
     tracks = tracks_of(SIGNALS["tone"], SIGNALS["blows"])
     measured = Comparison(tracks, Measures(Kind.WAVE))
     for number, row in enumerate(tracks.samples):
-        measured.add(number, row, (row if number == 0 else 0.5 * row)[:: measured.thinning])
+        measured.add(number, (row if number == 0 else 0.5 * row)[:: measured.thinning])
     found = {listener.name: listener for listener in measured.result().listeners}
     assert list(found) == ["listener 1", "listener 0"]
     assert found["listener 1"].lost == pytest.approx(0.25, abs=0.01)
@@ -126,7 +126,7 @@ def test_missing_and_invented_onsets_are_named(loud):
     for kind in (Kind.WAVE, Kind.SPECTRUM):
         measured = Comparison(tracks, Measures(kind))
         for number, row in enumerate((SIGNALS["tone"], played)):
-            measured.add(number, tracks.samples[number], row[:: measured.thinning])
+            measured.add(number, row[:: measured.thinning])
         found = {listener.name: listener for listener in measured.result().listeners}
         assert found["listener 0"].missing == found["listener 0"].invented == ()
         assert found["listener 1"].missing == pytest.approx((2.5,), abs=0.01)
@@ -181,7 +181,7 @@ def test_a_hum_lacks_every_pulse_and_longer_pulses_none(hertz):
     for wave, lacking in ((hum, len(times)), (longer, 0)):
         measured = Comparison(tracks, Measures(Kind.SPECTRUM))
         for number in range(10):
-            measured.add(number, train, wave[:: measured.thinning])
+            measured.add(number, wave[:: measured.thinning])
         found = measured.result()
         for listener in found.listeners:
             assert len(listener.missing) == pytest.approx(lacking, abs=5 * bool(lacking))
@@ -193,7 +193,7 @@ def test_a_steady_push_counts_in_no_level():
     """A tone on a constant of nearly the same power, of which only the tone is played."""
     for kind in (Kind.WAVE, Kind.SPECTRUM):
         measured = Comparison(tracks_of(0.2 + 0.6 * SIGNALS["tone"]), Measures(kind))
-        measured.add(0, 0.2 + 0.6 * SIGNALS["tone"], 0.6 * SIGNALS["tone"][:: measured.thinning])
+        measured.add(0, 0.6 * SIGNALS["tone"][:: measured.thinning])
         found = measured.result()
         assert abs(found.level) < 0.1 and (found.lost or 0) < 0.02 and found.beyond == 0
 
