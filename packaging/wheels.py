@@ -1,8 +1,9 @@
 """The extension's wheels, for the Python versions and platforms of all supported Blenders.
 
-python packaging/wheels.py                    fetch the wheels the manifest lists into wheels/, each
-checked against its pinned hash python packaging/wheels.py --pin A==1 B==2    write these versions
-to wheels.txt and the wheels found for them to the manifest
+python packaging/wheels.py                    fetch the wheels that the manifest lists into
+                                              wheels/, each checked against its pinned hash
+python packaging/wheels.py --pin A==1 B==2    write these versions to wheels.txt, and the
+                                              wheels found for them to the manifest
 """
 
 import argparse

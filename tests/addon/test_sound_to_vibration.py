@@ -133,7 +133,7 @@ def first_touch(scene):
     return float(np.argmax(samples > 0.01)) / 8000
 
 
-def test_a_sound_that_is_imported_makes_the_active_object_a_source(scene, add_box, tmp_path):
+def test_a_sound_that_is_imported_makes_the_active_object_a_source(scene, add_box, aud, tmp_path):
     box = add_box("machine", (0, 0, 0), (1, 1, 1), haptic=False)
     bpy.context.view_layer.objects.active = box
     with pytest.raises(RuntimeError, match="there is no file"):
