@@ -25,8 +25,8 @@ from ..addon.view.render_data import render_data
 from ..addon.view.solids import Solid, seen_unit, solid_graph
 from ..core.arrays import FloatArray
 from ..core.render.frame_result import FrameResult
-from .raster import paint, text_width
-from .shown import meters_above, shown_options
+from .raster import paint
+from .shown import SMOOTHING, averaged, meters_above, shown_options
 
 SAMPLES = 20
 GRAPH_SAMPLES = 12  # enough for smooth edges, as nothing scatters light
@@ -37,9 +37,9 @@ def rendered_picture(
 ) -> NDArray[np.uint8]:
     """Pixels (height, width, 3), top row first. The scene is not changed."""
     data = render_data(result, read_settings(scene), shown_options(scene))
-    scale = picture_scale(size)
     view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
-    solid = solid_graph(data, seen_unit(data, projection, view, size[1] / scale), view[:3, :3])
+    points = size[1] / picture_scale(size)
+    solid = solid_graph(data, seen_unit(data, projection, view, points), view[:3, :3])
     with suspended():
         if scene.haptics.xray:
             canvas = rendered(scene, size, SAMPLES, denoise=True)[..., :3]
@@ -47,23 +47,20 @@ def rendered_picture(
             canvas += graph[..., 3:] * (graph[..., :3] - canvas)
         else:
             canvas = _rendered_among(scene, solid, size)[..., :3]
-    hud = meters_above(scene, result, size, scale) if meters else None
+    canvas = canvas.repeat(SMOOTHING, axis=0).repeat(SMOOTHING, axis=1)
+    large = SMOOTHING * size[0], SMOOTHING * size[1]
+    scale = SMOOTHING * picture_scale(size)
+    hud = meters_above(scene, result, large, scale) if meters else None
+    occupied = hud.bounds if hud else ()
+    free = 0.0, 0.0, *large
     paint(
         canvas,
-        placed_annotations(
-            data,
-            projection @ view,
-            size,
-            scale,
-            (0.0, 0.0, *size),
-            text_width,
-            hud.bounds if hud else (),
-        ),
+        placed_annotations(data, projection @ view, large, scale, free, occupied),
         scale,
     )
     if hud is not None:
         paint(canvas, hud, scale)
-    return np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8)
+    return averaged(np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8))
 
 
 def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatArray:

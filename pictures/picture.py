@@ -29,10 +29,7 @@ from ..addon.view.screen import draw_flat, uploaded
 from ..core.render.frame_result import FrameResult
 from .cycles_picture import rendered_picture
 from .png import write_png
-from .shown import meters_above, shown_options
-
-SMOOTHING = 2
-"""Factor by which pictures are drawn larger and averaged down, for smooth edges."""
+from .shown import SMOOTHING, averaged, meters_above, shown_options
 
 
 def draw_picture(
@@ -148,19 +145,12 @@ def viewport_picture(
         overlay.forget()
     buffer.dimensions = width * height * 4
     pixels = np.array(buffer, dtype=np.uint8).reshape(height, width, 4)[::-1, :, :3]
-    return averaged(pixels, SMOOTHING)
+    return averaged(pixels)
 
 
 def draw_hud(items: Hud, size: tuple[float, float], scale: float) -> None:
     """Draw plates, lines, symbols and texts once, without caching."""
     draw_flat(uploaded(items), size, scale)
-
-
-def averaged(pixels: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
-    """Box filter: the mean of every ``factor`` x ``factor`` pixels."""
-    height, width, channels = pixels.shape
-    parts = pixels.reshape(height // factor, factor, width // factor, factor, channels)
-    return np.rint(parts.mean(axis=(1, 3))).astype(np.uint8)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from bpy.types import VectorFont
 
-from ..addon.blender.text import text_width as screen_width
+from ..addon.blender.text import text_width
 from ..addon.view.hud import Hud, PlacedText
 from ..addon.view.render_data import Symbol
 from ..addon.view.solids import layers
@@ -161,11 +161,6 @@ def _paint_text(canvas: Canvas, text: PlacedText) -> None:
         ** _WEIGHT
     )
     part += cover * (np.array(text.colour) - part)
-
-
-def text_width(words: str, size: float) -> float:
-    """Width of a text in pixels, not rounded to whole ones as on screen."""
-    return screen_width(words, 64.0) * size / 64.0
 
 
 def _wound(edges: FloatArray, shape: tuple[int, int]) -> BoolArray:

@@ -1,5 +1,4 @@
-"""Labels and legend of the haptic graph over a viewport, independent of the GPU; text widths are
-given."""
+"""Labels and legend of the haptic graph over a viewport, independent of the GPU."""
 
 from __future__ import annotations
 
@@ -11,7 +10,6 @@ from typing import Literal
 import numpy as np
 
 from ...core.arrays import FloatArray
-from ..blender.text import Measure
 from ..blender.words import said
 from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
 from .cues import Cue
@@ -41,7 +39,6 @@ def placed_annotations(
     size: tuple[float, float],
     scale: float,
     free: Rectangle,
-    measure: Measure,
     occupied: Sequence[Rectangle] = (),
     legend: LegendSide = "RIGHT",
     frame: Rectangle | None = None,
@@ -55,22 +52,21 @@ def placed_annotations(
         size: of the viewport [pixels].
         scale: pixels per point.
         free: the part of the viewport that the user interface does not cover.
-        measure: the width of texts.
         occupied: rectangles within it where something else is drawn.
         legend: the side of the legend, in the lower corner.
         frame: the camera's frame, which the legend does not cover.
         cues: words about objects out of sight.
     """
-    builder = HudBuilder(scale, measure)
+    builder = HudBuilder(scale)
     if cues:
         _add_cues(builder, cues, free, occupied)
     placed = builder.build()
     if legend != "NONE":
         taken = (*occupied, *placed.bounds, *(() if frame is None else (frame,)))
-        placed = placed.joined(_placed_legend(data, free, scale, measure, taken, legend == "LEFT"))
+        placed = placed.joined(_placed_legend(data, free, scale, taken, legend == "LEFT"))
     if not data.labels:
         return placed
-    builder = HudBuilder(scale, measure)
+    builder = HudBuilder(scale)
     _add_labels(
         builder,
         data,
@@ -86,26 +82,28 @@ def _add_cues(
     builder: HudBuilder, cues: Sequence[Cue], free: Rectangle, occupied: Sequence[Rectangle]
 ) -> None:
     """Plates with the words of cues within ``free``, each at its place or above what is there."""
-    scale = builder.scale
-    text = TEXT_SIZE * scale
-    height = text * 0.95 + 2 * _PADDING[1] * scale
-    taken = list(occupied)
+    (x0, y0, x1, y1), *taken = (np.array([free, *occupied]) / builder.scale).tolist()
+    height = TEXT_SIZE * 0.95 + 2 * _PADDING[1]
     for cue in cues:
-        width = builder.width(cue.words) + 2 * _PADDING[0] * scale
-        edge = _MARGIN * scale
-        left = min(max(cue.place[0] - width / 2, free[0] + edge), free[2] - edge - width)
-        bottom = min(max(cue.place[1] - height / 2, free[1] + edge), free[3] - edge - height)
-        up = 1 if 2 * bottom < free[1] + free[3] else -1
+        x, y = (place / builder.scale for place in cue.place)
+        width = builder.width(cue.words) + 2 * _PADDING[0]
+        left = min(max(x - width / 2, x0 + _MARGIN), x1 - _MARGIN - width)
+        bottom = min(max(y - height / 2, y0 + _MARGIN), y1 - _MARGIN - height)
+        is_low = 2 * bottom < y0 + y1
         for _ in range(len(cues) + len(occupied)):
             plate = left, bottom, left + width, bottom + height
             under = [other for other in taken if overlaps(other, plate)]
             if not under:
                 break
-            bottom = under[0][3] + scale if up > 0 else under[0][1] - height - scale
+            bottom = under[0][3] + 1 if is_low else under[0][1] - height - 1
         builder.panel(plate[:2], plate[2:], 4.0)
         taken.append(plate)
-        start = plate[0] + scale * _PADDING[0], plate[1] + scale * (_PADDING[1] + 1.2)
-        builder.text(cue.words, start, FAINT_INK)
+        builder.text(cue.words, _start(left, bottom), FAINT_INK)
+
+
+def _start(left: float, bottom: float) -> tuple[float, float]:
+    """Where the text on a plate begins."""
+    return left + _PADDING[0], bottom + _PADDING[1] + 1.2
 
 
 def label_text(label: Label) -> str:
@@ -134,7 +132,6 @@ def _add_labels(
         occupied: Rectangles (m, 4) where something else is drawn.
     """
     scale = builder.scale
-    text = TEXT_SIZE * builder.scale
     anchor = project(np.array([label.position for label in data.labels]), perspective, size)
     priority = np.where(np.isnan(anchor[:, 0]), -np.inf, [label.priority for label in data.labels])
     shown = np.argsort(-priority, kind="stable")[: min(_MOST_LABELS, np.isfinite(priority).sum())]
@@ -144,30 +141,26 @@ def _add_labels(
     names = np.array([builder.width(label.name) for label in labels])
     values = [label_text(label) for label in labels]
     widths = names + space + np.array([builder.width(value) for value in values])
-    extent = np.column_stack([widths, np.full(len(labels), text * 0.95)]) + 2 * scale * np.array(
-        _PADDING
-    )
-    clearance = scale * (np.array([label.clearance for label in labels]) + _GAP)
+    heights = np.full(len(labels), TEXT_SIZE * 0.95)
+    extent = np.column_stack([widths, heights]) + 2 * np.array(_PADDING)
+    clearance = np.array([label.clearance for label in labels]) + _GAP
     symbols = data.points.shape != Symbol.CONTACT
     places = project(data.points.position[symbols, 0].astype(np.float64), perspective, size)
     occupied = np.concatenate(
         [occupied, squares_around(places, scale * data.points.width[symbols] / 2)]
     )
     paths = project(_along_paths(data.paths), perspective, size)
-    corner = place_labels(anchor, extent, clearance, free, occupied, paths[~np.isnan(paths[:, 0])])
-    corners = np.round(corner).tolist()
-    anchors = anchor.tolist()
-    extents = extent.tolist()
+    shown_paths = paths[~np.isnan(paths[:, 0])]
+    corner = place_labels(anchor, scale * extent, scale * clearance, free, occupied, shown_paths)
+    lows = np.round(corner) / scale
+    places = np.column_stack([anchor / scale, lows, lows + extent]).tolist()
     for k in np.flatnonzero(~np.isnan(corner[:, 0])).tolist():
-        label, (x, y), (left, bottom) = labels[k], anchors[k], corners[k]
-        right = left + extents[k][0]
-        top = bottom + extents[k][1]
+        label, (x, y, left, bottom, right, top) = labels[k], places[k]
         nearest = min(max(x, left), right), min(max(y, bottom), top)
-        if math.dist(nearest, (x, y)) > clearance[k] + _GAP * scale:
+        if math.dist(nearest, (x, y)) > clearance[k] + _GAP:
             builder.line((x, y), nearest, (*FAINT_INK, 0.8), 1.0)
         builder.plate((left, bottom), (right, top), PLATE, 4.0)
-        start = left + scale * _PADDING[0]
-        base = bottom + scale * (_PADDING[1] + 1.2)
+        start, base = _start(left, bottom)
         builder.text(label.name, (start, base), INK)
         builder.text(values[k], (start + float(names[k]) + space, base), label.colour)
 
@@ -183,7 +176,6 @@ def _placed_legend(
     data: RenderData,
     free: Rectangle,
     scale: float,
-    measure: Measure,
     occupied: Sequence[Rectangle],
     at_left: bool,
 ) -> Hud:
@@ -193,7 +185,6 @@ def _placed_legend(
         data: The drawn frame, whose symbols and scale it explains.
         free: The part of the viewport that the user interface does not cover.
         scale: Pixels per point.
-        measure: The width of texts.
         occupied: Rectangles above which it stands.
         at_left: In the lower left corner, else in the right one.
     """
@@ -201,7 +192,7 @@ def _placed_legend(
     names = tuple(said(name) for name in NAMES.values())
     margin = _MARGIN * scale
     for some in dict.fromkeys((shapes, ())):
-        legend = _legend(data.scale, said("Amplitude"), some, names, scale, measure)
+        legend = _legend(data.scale, said("Amplitude"), some, names, scale)
         ((_, _, width, height),) = legend.bounds
         left = round(free[0] + margin if at_left else free[2] - margin - width)
         bottoms = [free[1], *(top for _, _, _, top in occupied)]
@@ -222,10 +213,10 @@ def _placed_legend(
 
 
 def _legend_width(builder: HudBuilder, names: Sequence[str]) -> float:
-    """Width [pixels] with all symbols, so that the legend keeps its width when an impact
+    """Width with all symbols, so that the legend keeps its width when an impact
     appears."""
     beside = len(names) * _SYMBOL_WIDTH + (len(names) - 1) * _NAME_GAP + 2 * _LEGEND_PADDING
-    return sum(map(builder.width, names)) + beside * builder.scale
+    return sum(map(builder.width, names)) + beside
 
 
 @lru_cache(maxsize=16)
@@ -235,7 +226,6 @@ def _legend(
     shapes: tuple[Symbol, ...],
     names: tuple[str, ...],
     scale: float,
-    measure: Measure,
 ) -> Hud:
     """The legend, its lower left corner at the origin.
 
@@ -245,14 +235,13 @@ def _legend(
         shapes: Symbols that are explained; without any, the legend is small.
         names: Of all symbols, which its width depends on.
         scale: Pixels per point.
-        measure: The width of texts.
     """
-    builder = HudBuilder(scale, measure)
-    width = _legend_width(builder, names) if shapes else _SMALL_WIDTH * scale
-    height = (_LEGEND_HEIGHT if shapes else _SMALL_HEIGHT) * scale
+    builder = HudBuilder(scale)
+    width = _legend_width(builder, names) if shapes else _SMALL_WIDTH
+    height = _LEGEND_HEIGHT if shapes else _SMALL_HEIGHT
     builder.panel((0, 0), (width, height), 6.0)
-    x = _LEGEND_PADDING * scale
-    base = height - 20 * scale
+    x = _LEGEND_PADDING
+    base = height - 20
     for shape, name in zip(NAMES, names, strict=True):
         if shape not in shapes:
             continue
@@ -260,13 +249,13 @@ def _legend(
             shape, colour_table()[STEPS * 3 // 5]
         )
         builder.symbol(
-            (x + (_SYMBOL_WIDTH / 2 - 2) * scale, base + 4 * scale),
+            (x + _SYMBOL_WIDTH / 2 - 2, base + 4),
             shape,
             8.0 if shape == Symbol.CONTACT else 17.0,
             colour,
         )
-        builder.text(name, (x + _SYMBOL_WIDTH * scale, base), INK)
-        x += (_SYMBOL_WIDTH + _NAME_GAP) * scale + builder.width(name)
+        builder.text(name, (x + _SYMBOL_WIDTH, base), INK)
+        x += _SYMBOL_WIDTH + _NAME_GAP + builder.width(name)
     ticks = amplitudes.ticks() if shapes else amplitudes.ticks()[:1]
     _add_colours(builder, amplitudes, title, width, ticks)
     return builder.build()
@@ -285,13 +274,11 @@ def _add_colours(
         builder: Takes them.
         amplitudes: The scale of the colours.
         title: Above them.
-        width: Of the legend [pixels].
+        width: Of the legend.
         ticks: Numbers below them [dB].
     """
-    scale, parts = builder.scale, 32
-    left = _LEGEND_PADDING * scale
-    bottom = _BAR_BOTTOM * scale
-    height = _BAR_HEIGHT * scale
+    parts = 32
+    left, bottom = _LEGEND_PADDING, _BAR_BOTTOM
     width -= 2 * left
     for part in range(parts):
         # Each part extends under the next one, so that no seam is visible.
@@ -300,18 +287,16 @@ def _add_colours(
         first, last = (colour_table()[round(place * (STEPS - 1))] for place in (low, high))
         builder.plate(
             (left + low * width, bottom),
-            (left + high * width, bottom + height),
+            (left + high * width, bottom + _BAR_HEIGHT),
             (*first, 1),
             0.0,
             (*last, 1),
         )
-    builder.text(title, (left, bottom + height + 6 * scale), FAINT_INK, SMALL_TEXT)
+    builder.text(title, (left, bottom + _BAR_HEIGHT + 6), FAINT_INK, SMALL_TEXT)
     for tick in dict.fromkeys((*ticks, 0)):
         x = left + (1 - tick / amplitudes.floor) * width
-        builder.plate(
-            (x - 0.5 * scale, bottom - 4 * scale), (x + 0.5 * scale, bottom), (*FAINT_INK, 1), 0.0
-        )
+        builder.plate((x - 0.5, bottom - 4), (x + 0.5, bottom), (*FAINT_INK, 1), 0.0)
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0 dB"
         text_width = builder.width(words, SMALL_TEXT)
         x = min(max(x - text_width / 2, left), left + width - text_width)
-        builder.text(words, (x, bottom - 14 * scale), FAINT_INK, SMALL_TEXT)
+        builder.text(words, (x, bottom - 14), FAINT_INK, SMALL_TEXT)

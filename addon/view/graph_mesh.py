@@ -72,9 +72,7 @@ def graph_in_collection(
         _bring_to_front(graph, view, projection, scene.camera.data.clip_start)
     _from_metres((graph,), scene)
     if labels:
-        items = placed_annotations(
-            data, projection @ view, size, scale, (0.0, 0.0, *size), text_width
-        )
+        items = placed_annotations(data, projection @ view, size, scale, (0.0, 0.0, *size))
         _add_annotations(collection, items, scale, scene.camera, projection, size)
     return graph, collection
 

@@ -1,5 +1,4 @@
-"""Plates, symbols and texts over a viewport, in its pixels, independent of the GPU; text widths are
-given."""
+"""Plates, symbols and texts over a viewport, in its pixels, independent of the GPU."""
 
 from __future__ import annotations
 
@@ -9,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.frozen import frozen
-from ..blender.text import Measure, shortened
+from ..blender.text import Measure, shortened, text_width
 from .render_data import Lines, Symbol, joined, lines_of
 
 TEXT_SIZE = 11.0
@@ -62,16 +61,11 @@ class Hud:
         return Hud(lines, self.texts + other.texts, self.bounds + other.bounds)
 
 
-def _unmeasured(words: str, size: float) -> float:
-    """The width of texts that are not drawn, as in pictures of panels."""
-    return 0.0
-
-
 class HudBuilder:
-    """Collects plates, lines, symbols and texts. ``scale``: pixels per point; ``measure``: the
-    width of texts."""
+    """Collects plates, lines, symbols and texts, all in points. ``scale``: pixels per point;
+    ``measure``: the width of texts, which Blender knows on its main thread only."""
 
-    def __init__(self, scale: float, measure: Measure = _unmeasured) -> None:
+    def __init__(self, scale: float, measure: Measure = text_width) -> None:
         self.scale = scale
         self._measure = measure
         self._strokes: list[tuple[float, ...]] = []
@@ -79,17 +73,17 @@ class HudBuilder:
         self._bounds: list[Rectangle] = []
 
     def width(self, words: str, size: float = TEXT_SIZE) -> float:
-        """The width [pixels] of a text of ``size`` points."""
-        return self._measure(words, size * self.scale)
+        """The width of a text of ``size`` points."""
+        return self._measure(words, size * self.scale) / self.scale
 
     def fitted(self, words: str, width: float, size: float = TEXT_SIZE) -> str:
-        """A text of ``size`` points, shortened to at most ``width`` pixels."""
-        return shortened(words, width, size * self.scale, self._measure)
+        """A text of ``size`` points, shortened to at most ``width`` points."""
+        return shortened(words, width * self.scale, size * self.scale, self._measure)
 
     def panel(self, low: Sequence[float], high: Sequence[float], radius: float) -> None:
         """Add a plate under other elements; its area counts as covered."""
         self.plate(low, high, PLATE, radius)
-        self._bounds.append((float(low[0]), float(low[1]), float(high[0]), float(high[1])))
+        self._bounds.append((low[0], low[1], high[0], high[1]))
 
     def plate(
         self,
@@ -102,10 +96,10 @@ class HudBuilder:
         """Add a rectangle with rounded corners.
 
         Args:
-            low: lower left corner [pixels].
-            high: upper right corner [pixels].
+            low: lower left corner.
+            high: upper right corner.
             colour: RGBA.
-            radius: of its corners [points].
+            radius: of its corners.
             right: colour at its right end if that differs.
         """
         ends = *colour, *(colour if right is None else right)
@@ -114,13 +108,13 @@ class HudBuilder:
     def line(
         self, start: Sequence[float], end: Sequence[float], colour: Sequence[float], width: float
     ) -> None:
-        """A line of ``width`` points."""
+        """A line of a ``width``."""
         self._strokes.append((*start, 0, *end, 0, *colour, *colour, width, Symbol.LINE))
 
     def symbol(
         self, centre: Sequence[float], shape: Symbol, size: float, colour: Sequence[float]
     ) -> None:
-        """A symbol of ``size`` points."""
+        """A symbol of a ``size``."""
         self._strokes.append((*centre, 0, *centre, 0, *colour, 1, *colour, 1, size, shape))
 
     def text(
@@ -130,25 +124,21 @@ class HudBuilder:
         colour: Sequence[float],
         size: float = TEXT_SIZE,
     ) -> None:
-        """A text of ``size`` points, the start of its baseline at ``position``."""
-        self._texts.append(
-            PlacedText(
-                words,
-                (float(position[0]), float(position[1])),
-                size * self.scale,
-                (colour[0], colour[1], colour[2]),
-            )
-        )
+        """A text of a ``size``, the start of its baseline at ``position``."""
+        x, y = (float(at * self.scale) for at in position)
+        red, green, blue = colour[:3]
+        self._texts.append(PlacedText(words, (x, y), size * self.scale, (red, green, blue)))
 
     def build(self) -> Hud:
         """Everything collected so far."""
-        strokes = np.array(self._strokes, dtype=np.float32).reshape(-1, 16)
-        position = strokes[:, :6].reshape(-1, 2, 3)
+        strokes = np.array(self._strokes, dtype=np.float64).reshape(-1, 16)
+        position = strokes[:, :6].reshape(-1, 2, 3) * self.scale
         colour = strokes[:, 6:14].reshape(-1, 2, 4)
         lines = lines_of(
             position, colour[..., :3], colour[..., 3], strokes[:, 14], shape=strokes[:, 15]
         )
-        return Hud(lines, tuple(self._texts), tuple(self._bounds))
+        bounds = (np.array(self._bounds).reshape(-1, 4) * self.scale).tolist()
+        return Hud(lines, tuple(self._texts), tuple(map(tuple, bounds)))
 
 
 def overlaps(one: Rectangle, other: Rectangle) -> bool:

@@ -12,13 +12,12 @@ from bpy.types import Context
 from ...core.arrays import FloatArray
 from ...core.diagnosis.connections import connections
 from ...core.message import Metres, written
-from ..blender.text import text_width
 from ..blender.units import metres_per_unit
 from ..blender.words import said
 from ..changes.events import file_changed
 from ..session.derived import Derived
 from ..session.sessions import Traced
-from .hud import FAINT_INK, INK, PLATE, TEXT_SIZE, HudBuilder
+from .hud import FAINT_INK, INK, PLATE, HudBuilder
 from .label_placement import project
 from .layout import pixels_per_point
 from .levels import change_words
@@ -151,13 +150,13 @@ def draw(context: Context) -> None:
     scale = pixels_per_point(context)
     builder = HudBuilder(scale)
     words = words_of(link)
-    width = max(text_width(line, TEXT_SIZE * scale) for line in words) + 2 * _PADDING * scale
-    height = (len(words) * _ROW + _PADDING) * scale
-    left = min(mouse[0] + 14 * scale, context.region.width - width)
-    top = max(mouse[1] - 10 * scale, height)
+    width = max(map(builder.width, words)) + 2 * _PADDING
+    height = len(words) * _ROW + _PADDING
+    left = min(mouse[0] / scale + 14, context.region.width / scale - width)
+    top = max(mouse[1] / scale - 10, height)
     builder.plate((left, top - height), (left + width, top), (*PLATE[:3], 1.0), 4.0)
     for number, line in enumerate(words):
-        place = left + _PADDING * scale, top - (_ROW * (number + 1) - 2) * scale
+        place = left + _PADDING, top - _ROW * (number + 1) + 2
         builder.text(line, place, FAINT_INK if number else INK)
     draw_flat(uploaded(builder.build()), (context.region.width, context.region.height), scale)
 

@@ -21,7 +21,6 @@ from ...core.render.waves import Waves, level_and_threshold, row_name
 from ...core.scene.values import SourceKind
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
-from ..blender.text import text_width
 from ..blender.time import frame_seconds
 from ..changes.events import file_changed
 from ..scene_reader.triggers import PATH
@@ -286,11 +285,10 @@ def _lane(sources: tuple[Waves, ...], view: _View) -> _Shown:
         len(emitting) + len(felt) - len(rows),
         colours,
         scale,
-        text_width,
     )
     return _Shown(
         view,
-        uploaded(grounds(rows, size[0], colours, scale)),
+        uploaded(grounds(rows, size[0], colours)),
         tuple(shapes),
         uploaded(over),
         placed,

@@ -11,7 +11,6 @@ import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray
 from ...core.render.lane import height_of
-from ..blender.text import Measure
 from .hud import SMALL_TEXT, Hud, HudBuilder
 from .render_data import Drawn, Symbol
 
@@ -93,9 +92,9 @@ def rows_of(
     )
 
 
-def grounds(rows: Sequence[LaneRow], width: float, colours: Colours, scale: float) -> Hud:
+def grounds(rows: Sequence[LaneRow], width: float, colours: Colours) -> Hud:
     """The background of the rows."""
-    builder = HudBuilder(scale)
+    builder = HudBuilder(1.0)
     for row in rows:
         builder.plate((0, row.low), (width, row.low + row.height), colours.ground, 0.0)
     return builder.build()
@@ -107,7 +106,6 @@ def names(
     hidden: int,
     colours: Colours,
     scale: float,
-    measure: Measure,
 ) -> Hud:
     """The names at the left, side by side where rows share a place, with the colour of their kind;
     the number of hidden rows, and the one-shots.
@@ -118,25 +116,24 @@ def names(
         hidden: number of rows without room.
         colours: of the theme.
         scale: pixels per point.
-        measure: the width of texts.
     """
-    builder = HudBuilder(scale, measure)
+    builder = HudBuilder(scale)
     right = 0.0
     for number, row in enumerate(rows):
         is_beside = number > 0 and row.low == rows[number - 1].low
-        left = right if is_beside else _LEFT * scale
-        text = builder.fitted(row.name, _NAME_WIDTH * scale, SMALL_TEXT)
+        left = right if is_beside else _LEFT
+        text = builder.fitted(row.name, _NAME_WIDTH, SMALL_TEXT)
         if number == len(rows) - 1 and hidden:
             text = f"{text}  +{hidden}"
-        low = row.low + row.height / 2 - 5 * scale
-        start = left + (_SWATCH + 3) * scale
-        right = start + builder.width(text, SMALL_TEXT) + 3 * scale
-        builder.plate((left, low), (right, low + 10 * scale), (*colours.ground[:3], 0.9), 0.0)
+        low = (row.low + row.height / 2) / scale - 5
+        start = left + _SWATCH + 3
+        right = start + builder.width(text, SMALL_TEXT) + 3
+        builder.plate((left, low), (right, low + 10), (*colours.ground[:3], 0.9), 0.0)
         kind = colours.source if row.is_source else colours.listener
-        builder.plate((left, low), (left + _SWATCH * scale, low + 10 * scale), (*kind, 1.0), 0.0)
-        builder.text(text, (start, low + 2 * scale), colours.ink, SMALL_TEXT)
-    for place in marks:
-        builder.symbol(place, Symbol.IMPACT, _MARK, colours.source[:3])
+        builder.plate((left, low), (left + _SWATCH, low + 10), (*kind, 1.0), 0.0)
+        builder.text(text, (start, low + 2), colours.ink, SMALL_TEXT)
+    for x, y in marks:
+        builder.symbol((x / scale, y / scale), Symbol.IMPACT, _MARK, colours.source[:3])
     return builder.build()
 
 

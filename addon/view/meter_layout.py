@@ -13,7 +13,6 @@ from bpy.app.translations import pgettext_iface as iface_
 from ...core.arrays import FloatArray, IntArray
 from ...core.frozen import frozen
 from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
-from ..blender.text import Measure
 from ..blender.words import said
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
@@ -116,7 +115,6 @@ def meter_hud(
     scope: Scope | None,
     room: tuple[float, float],
     scale: float,
-    measure: Measure,
     title: str = "",
     *,
     body: bool = True,
@@ -130,38 +128,37 @@ def meter_hud(
         scope: Of one of them; None leaves it out.
         room: Width and height [pixels].
         scale: Pixels per point.
-        measure: The width of texts.
         title: Above the names.
         body: Whether the body is shown where listeners have a body part.
         spots: The actuators that it shows.
     """
-    builder = HudBuilder(scale, measure)
-    names = max(map(builder.width, (title, *(level.listener for level in levels)))) / scale
+    builder = HudBuilder(scale)
+    names = max(map(builder.width, (title, *(level.listener for level in levels))))
     layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
     if layout is None:
         return builder.build()
     columns = layout.columns
     width = layout.columns.width + 2 * PADDING
     height = layout.height
-    builder.panel((0.0, 0.0), (width * scale, height * scale), 6.0)
-    x = PADDING * scale
-    y = (height - PADDING) * scale
+    builder.panel((0.0, 0.0), (width, height), 6.0)
+    x = PADDING
+    y = height - PADDING
     _add_heads(builder, (x, y), title, columns)
-    y -= ROW * scale
+    y -= ROW
     for level in layout.shown:
-        y -= ROW * scale
+        y -= ROW
         _add_row(builder, (x, y), level, columns)
     if layout.hidden:
-        y -= ROW * scale
-        builder.text(said("and {} more", layout.hidden), (x, y + 4 * scale), FAINT_INK)
+        y -= ROW
+        builder.text(said("and {} more", layout.hidden), (x, y + 4), FAINT_INK)
     if layout.scope is not None:
-        y -= (SCOPE_HEIGHT + GAP) * scale
-        size = columns.width * scale, SCOPE_HEIGHT * scale
+        y -= SCOPE_HEIGHT + GAP
+        size = columns.width, SCOPE_HEIGHT
         add_scope(builder, (x, y), size, layout.scope)
     if layout.body:
         parts = {level.body_part: level for level in levels if level.body_part}
-        left = x + (columns.width - 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH) / 2 * scale
-        add_body(builder, (left, y - (FIGURE_HEIGHT + ROW) * scale), FIGURE_HEIGHT, parts, spots)
+        left = x + (columns.width - 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH) / 2
+        add_body(builder, (left, y - (FIGURE_HEIGHT + ROW)), FIGURE_HEIGHT, parts, spots)
     return builder.build()
 
 
@@ -209,27 +206,26 @@ def _add_heads(
     builder: HudBuilder, corner: tuple[float, float], title: str, columns: _ColumnWidths
 ) -> None:
     """Add the title, the scale of the bars, and the column headings."""
-    scale = builder.scale
     x = corner[0]
-    base = corner[1] - 12 * scale
-    builder.text(builder.fitted(title, (columns.name - 6) * scale), (x, base), INK)
-    left = x + columns.name * scale
-    width = (columns.bar - 8) * scale
+    base = corner[1] - 12
+    builder.text(builder.fitted(title, columns.name - 6), (x, base), INK)
+    left = x + columns.name
+    width = columns.bar - 8
     for tick in (-60, -40, -20, 0) if columns.bar > 110 else (-60, 0) if columns.bar > 60 else ():
         words = f"\N{MINUS SIGN}{-tick}" if tick else "0"
         half = builder.width(words, SMALL_TEXT) / 2
         place = min(max(left + place_of(tick) * width - half, left), left + width - half)
         builder.text(words, (place, base), FAINT_INK, SMALL_TEXT)
-    values = left + columns.bar * scale
+    values = left + columns.bar
     builder.text(
-        builder.fitted(iface_("Level", "Haptics"), (LEVEL_WIDTH - 2) * scale, SMALL_TEXT),
+        builder.fitted(iface_("Level", "Haptics"), LEVEL_WIDTH - 2, SMALL_TEXT),
         (values, base),
         FAINT_INK,
         SMALL_TEXT,
     )
     if columns.margin:
-        words = builder.fitted(iface_("Margin", "Haptics"), MARGIN_WIDTH * scale, SMALL_TEXT)
-        builder.text(words, (values + columns.level * scale, base), FAINT_INK, SMALL_TEXT)
+        words = builder.fitted(iface_("Margin", "Haptics"), MARGIN_WIDTH, SMALL_TEXT)
+        builder.text(words, (values + columns.level, base), FAINT_INK, SMALL_TEXT)
 
 
 def _add_row(
@@ -237,34 +233,33 @@ def _add_row(
 ) -> None:
     """Add name, bar and values of a listener. The bar is the level, the white mark the peak, the
     orange one the threshold of feeling."""
-    scale = builder.scale
     x, y = corner
-    base = y + 4 * scale
-    builder.text(builder.fitted(level.listener, (columns.name - 6) * scale), (x, base), INK)
-    left = x + columns.name * scale
-    width = (columns.bar - 8) * scale
-    low = y + (ROW - BAR) / 2 * scale
-    high = y + (ROW + BAR) / 2 * scale
+    base = y + 4
+    builder.text(builder.fitted(level.listener, columns.name - 6), (x, base), INK)
+    left = x + columns.name
+    width = columns.bar - 8
+    low = y + (ROW - BAR) / 2
+    high = y + (ROW + BAR) / 2
     builder.plate((left, low), (left + width, high), _TRACK, 2.0)
     if level.place > 0.01:
         builder.plate((left, low), (left + level.place * width, high), colour_of(level), 2.0)
     if level.threshold is not None and FLOOR < level.threshold < 0:
         place = left + place_of(level.threshold) * width
         builder.plate(
-            (place - 0.8 * scale, low - 2 * scale),
-            (place + 0.8 * scale, high + 2 * scale),
+            (place - 0.8, low - 2),
+            (place + 0.8, high + 2),
             _MARK,
             0.0,
         )
     if level.peak > FLOOR:
         place = left + place_of(level.peak) * width
-        builder.plate((place - 1.0 * scale, low), (place + 1.0 * scale, high), _WHITE, 0.0)
-    values = left + columns.bar * scale
-    builder.text(builder.fitted(level.level_text(), LEVEL_WIDTH * scale), (values, base), INK)
+        builder.plate((place - 1.0, low), (place + 1.0, high), _WHITE, 0.0)
+    values = left + columns.bar
+    builder.text(builder.fitted(level.level_text(), LEVEL_WIDTH), (values, base), INK)
     if columns.margin:
         builder.text(
             level.margin_text(),
-            (values + columns.level * scale, base),
+            (values + columns.level, base),
             INK if level.is_felt else FAINT_INK,
         )
 
@@ -272,23 +267,23 @@ def _add_row(
 def add_scope(
     builder: HudBuilder, corner: tuple[float, float], extent: tuple[float, float], scope: Scope
 ) -> None:
-    """The last second in a box of ``extent`` [pixels]: for every column the range between its
+    """The last second in a box of ``extent``: for every column the range between its
     lowest and highest sample, the latest at the right."""
-    scale = builder.scale
     (left, low), width = corner, extent[0]
     high = low + extent[1]
-    top = high - _CAPTION * scale
+    top = high - _CAPTION
     middle = (low + top) / 2
-    half = (top - low) / 2 - 2 * scale
+    half = (top - low) / 2 - 2
     builder.plate((left, low), (left + width, high), _TRACK, 3.0)
+    pixel = 0.5 / builder.scale
     for quarter in (0.25, 0.5, 0.75):
         x = left + quarter * width
-        builder.plate((x - 0.5, low), (x + 0.5, top), _GRID, 0.0)
-    builder.plate((left, middle - 0.5), (left + width, middle + 0.5), _GRID, 0.0)
+        builder.plate((x - pixel, low), (x + pixel, top), _GRID, 0.0)
+    builder.plate((left, middle - pixel), (left + width, middle + pixel), _GRID, 0.0)
     full = full_scale(scope)
     columns, least, greatest = spans(scope, _SCOPE_COLUMNS)
-    lows = middle + half / full * least - 0.5 * scale
-    highs = middle + half / full * greatest + 0.5 * scale
+    lows = middle + half / full * least - 0.5
+    highs = middle + half / full * greatest + 0.5
     for x, low_end, high_end in zip(
         (left + columns * width / _SCOPE_COLUMNS).tolist(),
         lows.tolist(),
@@ -299,11 +294,11 @@ def add_scope(
     span = f"±{full:.3g}"
     span_width = builder.width(span, SMALL_TEXT)
     words = said("{}, last second", scope.listener)
-    words = builder.fitted(words, width - span_width - 15 * scale, SMALL_TEXT)
-    builder.text(words, (left + 5 * scale, high - 11 * scale), FAINT_INK, SMALL_TEXT)
+    words = builder.fitted(words, width - span_width - 15, SMALL_TEXT)
+    builder.text(words, (left + 5, high - 11), FAINT_INK, SMALL_TEXT)
     builder.text(
         span,
-        (left + width - span_width - 5 * scale, high - 11 * scale),
+        (left + width - span_width - 5, high - 11),
         FAINT_INK,
         SMALL_TEXT,
     )
@@ -340,13 +335,12 @@ def add_body(
 
     Args:
         builder: collects the elements.
-        corner: lower left corner of both [pixels].
-        height: of the figures [points].
+        corner: lower left corner of both.
+        height: of the figures.
         parts: levels by body part.
         spots: actuators.
     """
-    scale = builder.scale
-    unit = height / HEIGHT * scale
+    unit = height / HEIGHT
     x, y = corner
     for number, view in enumerate(VIEWS):
         middle = x + (2 * number + 1) * HALF_WIDTH * unit
@@ -355,7 +349,7 @@ def add_body(
             start, end = (
                 (middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end)
             )
-            builder.line(start, end, colour, limb.width * unit / scale)
+            builder.line(start, end, colour, limb.width * unit)
             edge = 0.3 * limb.width * unit
             low, high = (
                 np.array([pick(start[k], end[k]) for k in (0, 1)]) + shift
@@ -369,16 +363,14 @@ def add_body(
                 builder.line(at, at, (*_WHITE[:3], 0.25 + 0.75 * spot.amplitude), 2.5)
         words = said(view)
         width = builder.width(words, SMALL_TEXT)
-        builder.text(
-            words, (middle - width / 2, y + HEIGHT * unit + 6 * scale), FAINT_INK, SMALL_TEXT
-        )
+        builder.text(words, (middle - width / 2, y + HEIGHT * unit + 6), FAINT_INK, SMALL_TEXT)
         for side, place in (
             ("L", 1.0 if view == "front" else -1.0),
             ("R", -1.0 if view == "front" else 1.0),
         ):
             builder.text(
                 side,
-                (middle + place * 0.52 * unit - 3 * scale, y + 0.06 * unit),
+                (middle + place * 0.52 * unit - 3, y + 0.06 * unit),
                 FAINT_INK,
                 SMALL_TEXT,
             )

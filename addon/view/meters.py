@@ -11,7 +11,6 @@ from bpy.types import Context, Scene
 
 from ...core.scene.body_map import Spot
 from ...core.scene.values import MODES, Mode
-from ..blender.text import text_width
 from ..blender.time import is_playing
 from ..blender.words import said
 from ..changes.events import file_changed
@@ -168,7 +167,6 @@ def _placed_meters(context: Context, scene: Scene, scale: float, spots: Sequence
         scope_of(scene),
         room,
         scale,
-        text_width,
         words,
         body=chosen.show_body,
         spots=spots,

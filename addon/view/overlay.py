@@ -19,7 +19,6 @@ from ...core.arrays import FloatArray
 from ...core.frozen import frozen
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
-from ..blender.text import text_width
 from ..blender.time import seconds_of
 from ..blender.units import metres_per_unit
 from ..changes.events import file_changed
@@ -207,7 +206,6 @@ def draw_annotations(
                 size,
                 scale,
                 free,
-                text_width,
                 occupied,
                 legend,
                 frame,

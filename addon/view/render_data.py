@@ -136,7 +136,7 @@ def lines_of(
     opacity: FloatArray | Drawn | float,
     width: FloatArray | Drawn | float,
     arc_length: FloatArray | float = -1.0,
-    shape: IntArray | Drawn | Symbol = Symbol.LINE,
+    shape: FloatArray | IntArray | Symbol = Symbol.LINE,
 ) -> Lines:
     """Lines; each value but the position is one for all lines or one for each.
 

@@ -8,6 +8,7 @@ import pytest
 from haptic_tracing.addon.bake import storage
 from haptic_tracing.addon.bake.baking import bake_job
 from haptic_tracing.addon.bake.waves import computed
+from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view.lane_layout import Colours, names, rows_of, snapped, stems, strip
 from haptic_tracing.core.render.levels import vibration_rms
 from haptic_tracing.core.render.waves import FULL_SCALE
@@ -84,8 +85,8 @@ def test_names_do_not_overlap():
     colours = Colours((0, 0, 0, 1), (1, 1, 1), (1, 0.5, 0), (0, 1, 0.5))
     for height in (44, 120):
         rows = rows_of(["a source with a long name"], ["hand", "foot"], ("foot",), height, 1.0)
-        texts = names(rows, [], 3 - len(rows), colours, 1.0, lambda words, size: 6.0 * len(words))
-        places = [(*text.position, 6.0 * len(text.words)) for text in texts.texts]
+        texts = names(rows, [], 3 - len(rows), colours, 1.0)
+        places = [(*text.position, text_width(text.words, text.size)) for text in texts.texts]
         assert len(places) == len(rows) and min(left for left, _, _ in places) > 14
         for (a, low, width), (b, other, _) in pairwise(places):
             assert low - other >= 10 or b >= a + width

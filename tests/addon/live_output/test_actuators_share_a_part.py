@@ -5,7 +5,6 @@ import json
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.live_output import player
 from haptic_tracing.addon.operators import live_output
 from haptic_tracing.addon.view.levels import Level
@@ -52,7 +51,7 @@ def test_the_body_shows_them_as_bright_as_they_play(one_hand, felt, plug, connec
     playing(2)
     level = Level("left", "hand.L", -3.0, -6.0, 30.0, -36.0)
     plain, shown = (
-        meter_hud([level], None, (1200, 600), 1.0, text_width, spots=spots).lines
+        meter_hud([level], None, (1200, 600), 1.0, spots=spots).lines
         for spots in ((), player.spots())
     )
     assert len(shown.width) - len(plain.width) == 4, "two actuators, from the front and from behind"

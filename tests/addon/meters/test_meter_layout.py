@@ -42,7 +42,7 @@ def test_everything_lies_within_the_plate_and_the_plate_within_the_room(
     width, height, scale, count, body
 ):
     shown = [level(f"listener {k}", -1.5 * k, PAPER_LISTENERS[k % 10]) for k in range(count)]
-    items = meter_hud(shown, SCOPE, (width, height), scale, text_width, "Mode HT", body=body)
+    items = meter_hud(shown, SCOPE, (width, height), scale, "Mode HT", body=body)
     if not len(items.lines.width):
         assert items.texts == ()
         return
@@ -61,7 +61,7 @@ def test_everything_lies_within_the_plate_and_the_plate_within_the_room(
 
 
 def test_values_are_there_as_text():
-    texts = _texts(meter_hud(LEVELS, SCOPE, (1200, 600), 1.0, text_width, "Mode HT"))
+    texts = _texts(meter_hud(LEVELS, SCOPE, (1200, 600), 1.0, "Mode HT"))
     for item in LEVELS:
         assert item.listener in texts
     assert {
@@ -82,11 +82,11 @@ def test_values_are_there_as_text():
 
 
 def test_elements_without_room_are_left_out_in_order():
-    full = meter_hud(LEVELS, SCOPE, (1200, 600), 1.0, text_width)
-    narrow = meter_hud(LEVELS, SCOPE, (250, 600), 1.0, text_width)
-    narrower = meter_hud(LEVELS, SCOPE, (180, 600), 1.0, text_width)
-    lower = meter_hud(LEVELS, SCOPE, (300, 18 * ROW), 1.0, text_width)
-    low = meter_hud(LEVELS, SCOPE, (300, 7 * ROW), 1.0, text_width)
+    full = meter_hud(LEVELS, SCOPE, (1200, 600), 1.0)
+    narrow = meter_hud(LEVELS, SCOPE, (250, 600), 1.0)
+    narrower = meter_hud(LEVELS, SCOPE, (180, 600), 1.0)
+    lower = meter_hud(LEVELS, SCOPE, (300, 18 * ROW), 1.0)
+    low = meter_hud(LEVELS, SCOPE, (300, 7 * ROW), 1.0)
     assert "+35 dB" in _texts(full)
     # Which of them is felt is told as long as names can be read.
     assert "+35 dB" in _texts(narrow)
@@ -98,13 +98,13 @@ def test_elements_without_room_are_left_out_in_order():
     assert "hand.L, last second" in _texts(lower)
     assert "hand.L, last second" not in _texts(low)
     assert any(words.startswith("and ") for words in _texts(low))
-    assert meter_hud(LEVELS, SCOPE, (90, 600), 1.0, text_width).texts == ()
-    assert meter_hud([], SCOPE, (900, 600), 1.0, text_width).texts == ()
+    assert meter_hud(LEVELS, SCOPE, (90, 600), 1.0).texts == ()
+    assert meter_hud([], SCOPE, (900, 600), 1.0).texts == ()
 
 
 def test_of_many_listeners_the_strongest_are_shown():
     many = [level(f"l{k}", -50.0 + k) for k in range(30)]
-    texts = _texts(meter_hud(many, None, (900, 900), 1.0, text_width))
+    texts = _texts(meter_hud(many, None, (900, 900), 1.0))
     assert [words for words in texts if words.startswith("l")] == [
         f"l{k}" for k in range(31 - MOST_ROWS, 30)
     ]
@@ -122,9 +122,7 @@ def test_colours_rise_with_the_level_and_grey_is_not_felt():
 def test_scope_shows_where_in_the_last_second_something_was():
     samples = np.zeros(8000)
     samples[6000:6100] = 0.9
-    items = meter_hud(
-        [level("a")], Scope("a", samples, 8000.0), (600, 400), 1.0, text_width, body=False
-    )
+    items = meter_hud([level("a")], Scope("a", samples, 8000.0), (600, 400), 1.0, body=False)
     extent = items.lines.position[:, 1, 1] - items.lines.position[:, 0, 1]
     columns = items.lines.position[extent > 15, 0, 0]
     ((_, _, right, _),) = items.bounds

@@ -109,9 +109,7 @@ def test_a_label_leaves_paths_free():
 def test_annotations_name_what_is_there_and_keeps_within_what_is_free(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options())
     size, free, meters = (900.0, 700.0), (60.0, 30.0, 690.0, 640.0), (70.0, 40.0, 200.0, 120.0)
-    items = placed_annotations(
-        data, _perspective(scene, camera, size), size, 1.0, free, text_width, (meters,)
-    )
+    items = placed_annotations(data, _perspective(scene, camera, size), size, 1.0, free, (meters,))
     words = [text.words for text in items.texts]
     assert {
         "Source",
@@ -145,9 +143,7 @@ def test_legend_scales_with_the_user_interface(scene, camera, bridge):
     data = render_data(bridge, BRIDGE.settings, Options(show_labels=False))
     size = (800.0, 600.0)
     one, two = (
-        placed_annotations(
-            data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size), text_width
-        )
+        placed_annotations(data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size))
         for scale in (1.0, 2.0)
     )
     extents = [np.ptp(items.lines.position[0], axis=0)[:2] for items in (one, two)]
@@ -164,7 +160,6 @@ def test_a_legend_without_symbols_shows_the_gains_alone(scene, camera):
         size,
         1.0,
         (0.0, 0.0, *size),
-        text_width,
     )
     assert items.texts
     assert set(items.lines.shape.astype(int)) <= {Symbol.LINE, Symbol.PLATE}

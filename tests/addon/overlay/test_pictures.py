@@ -12,12 +12,11 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view import overlay
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.render_data import SILENT_COLOUR, SOURCE_COLOUR, Options, render_data
-from haptic_tracing.pictures import cycles_picture, picture, raster
+from haptic_tracing.pictures import cycles_picture, picture, raster, shown
 from haptic_tracing.pictures.png import write_png
 from mathutils import Vector
 
@@ -197,7 +196,7 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     """The same annotations by the shader and by the painter for pictures without a GPU."""
     scene.haptics.show_intra = scene.haptics.show_best_paths = False
     by_gpu = picture.viewport_picture(scene, bridge, SIZE).astype(int)
-    factor = picture.SMOOTHING
+    factor = shown.SMOOTHING
     size, scale = tuple(factor * side for side in SIZE), factor * picture_scale(SIZE)
     view, projection = camera_view(scene, size)
     data = render_data(bridge, BRIDGE.settings, Options(show_intra=False, show_best_paths=False))
@@ -207,11 +206,10 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
         size,
         scale,
         (0.0, 0.0, *size),
-        text_width,
     )
     canvas = np.full((size[1], size[0], 3), by_gpu[2, 2] / 255)
     raster.paint(canvas, items, scale)
-    by_painter = picture.averaged(np.rint(canvas[::-1] * 255).astype(np.uint8), factor).astype(int)
+    by_painter = shown.averaged(np.rint(canvas[::-1] * 255).astype(np.uint8)).astype(int)
     plates = [
         np.s_[SIZE[1] - int(top) : SIZE[1] - int(bottom), int(left) : int(right)]
         for (left, bottom, _), (right, top, _) in items.lines.position[[0, -2, -1]] / factor

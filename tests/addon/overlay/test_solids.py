@@ -7,7 +7,6 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view import graph_mesh, shader, solids
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
@@ -177,7 +176,6 @@ def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, cam
         size,
         scale,
         (0.0, 0.0, *size),
-        text_width,
     )
     seen = np.array(
         [world_to_camera_view(scene, camera, Vector(place)) for place in _world_vertices(plane)]
