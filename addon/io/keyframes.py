@@ -11,8 +11,8 @@ from bpy.types import Object
 
 from ...core.arrays import FloatArray
 from ...core.contacts.shapes import pose_matrix
-from ...core.formats.scene.recording import RecordedFrame, Recording
-from ...core.scene.values import HapticScene, Listener, Pose, Source, SourceKind, Vector
+from ...core.formats.scene.recording import CHANGES, RecordedFrame, Recording
+from ...core.scene.values import HapticScene, Pose, SourceKind, Vector
 from ..blender.arrays import write_keys
 from ..blender.compatibility import ensure_fcurve
 
@@ -23,12 +23,16 @@ STILL = 1e-4
 """Largest motion [m] relative to its object of a source or listener that counts as fixed to it,
 because poses in files are rounded."""
 
-POSE, PLACE = "pose", "place"
-KAPPA, RHO, ENABLED = "haptics.kappa", "haptics.rho", "haptics.enabled"
-AMPLITUDE = "haptics.source.amplitude"
-GAIN = "haptics.listener.gain"
-LISTENS = "haptics.listener.enabled"
-"""What changes: a pose, a position, or a property by its data path."""
+POSE, PLACE = "pose", "position"
+PATHS = {
+    ("object", "enabled"): "haptics.enabled",
+    ("object", "kappa"): "haptics.kappa",
+    ("object", "rho"): "haptics.rho",
+    ("source", "amplitude"): "haptics.source.amplitude",
+    ("listener", "enabled"): "haptics.listener.enabled",
+    ("listener", "gain"): "haptics.listener.gain",
+}
+"""Data paths of properties, by kind of item and its field."""
 
 
 def write_keyframes(
@@ -60,12 +64,15 @@ def write_keyframes(
             # An imported object has the scale of a metre.
             _write(owners[key], "location", times, rows[:, :3] * owners[key].scale.x)
             _write(owners[key], "rotation_quaternion", times, _continuous(rows[:, 3:]))
-    for path in (KAPPA, RHO, AMPLITUDE, GAIN, ENABLED, LISTENS):
+    for path in PATHS.values():
         for key, keys in changes[path].items():
             if len(keys) > 1:
                 _write(owners[key], path, *_held(keys))
     carriers = {
-        owner: item.object for change in reversed(frames) for owner, item in _attached(change)
+        f"{kind} {item.name}": item.object
+        for change in reversed(frames)
+        for kind, items in (("source", change.sources), ("listener", change.listeners))
+        for item in items
     }
     for key, keys in changes[PLACE].items():
         carrier = f"object {carriers[key]}"
@@ -83,8 +90,8 @@ def write_keyframes(
 
 
 def _changes(frames: Sequence[RecordedFrame]) -> Mapping[str, Mapping[str, Keys]]:
-    """Keys, values by frame, of all that changes: by property, then by owner, which is ``object
-    <name>``, ``source <name>`` or ``listener <name>``.
+    """Keys, values by frame, of all that changes: by data path or field, then by owner, which is
+    ``object <name>``, ``source <name>`` or ``listener <name>``.
 
     An owner that appears in a later frame gets a key in the first frame in which it is off: objects
     and listeners are not haptic, persistent sources have amplitude 0."""
@@ -96,51 +103,39 @@ def _changes(frames: Sequence[RecordedFrame]) -> Mapping[str, Mapping[str, Keys]
     }
     found: dict[str, dict[str, Keys]] = defaultdict(lambda: defaultdict(dict))
     for frame in frames:
-        for what, owner, *values in _changed(frame):
-            keys = found[what][owner]
-            if what in (AMPLITUDE, ENABLED, LISTENS) and owner not in temporary:
+        for kind, name, field, value in _changed(frame):
+            owner = f"{kind} {name}"
+            keys = found[PATHS.get((kind, field), field)][owner]
+            if field in ("amplitude", "enabled") and owner not in temporary:
                 keys.setdefault(frames[0].number, (0.0,))
-            keys[frame.number] = tuple(values)
+            keys[frame.number] = _row(value)
     return found
 
 
-def _changed(change: RecordedFrame) -> Iterator[tuple[Any, ...]]:
-    """What changes in a frame, its owner, and the values."""
-    yield from ((ENABLED, f"object {name}", 0.0) for name in change.removed_objects)
-    yield from ((LISTENS, f"listener {name}", 0.0) for name in change.removed_listeners)
-    for item in change.objects:
-        yield ENABLED, f"object {item.name}", 1.0
-        pose = item.pose or Pose()
-        yield POSE, f"object {item.name}", *pose.position, *pose.rotation
-        yield KAPPA, f"object {item.name}", item.kappa
-        yield RHO, f"object {item.name}", item.rho
-    for listener in change.listeners:
-        yield LISTENS, f"listener {listener.name}", 1.0
-        yield GAIN, f"listener {listener.name}", listener.gain
-    yield from ((AMPLITUDE, f"source {source.name}", source.amplitude) for source in change.sources)
-    yield from ((PLACE, owner, *item.position) for owner, item in _attached(change))
-    yield from ((POSE, f"object {name}", *row) for name, row in change.poses.items())
-    for name, (kappa, rho) in change.properties.items():
-        yield KAPPA, f"object {name}", kappa
-        yield RHO, f"object {name}", rho
-    yield from (
-        (AMPLITUDE, f"source {name}", amplitude) for name, amplitude in change.amplitudes.items()
-    )
-    yield from (
-        (PLACE, f"source {name}", *positions[0])
-        for name, positions in change.source_positions.items()
-    )
-    yield from (
-        (PLACE, f"listener {name}", *position)
-        for name, position in change.listener_positions.items()
-    )
-    yield from ((GAIN, f"listener {name}", gain) for name, gain in change.gains.items())
+def _changed(change: RecordedFrame) -> Iterator[tuple[str, str, str, Any]]:
+    """What changes in a frame: kind and name of the item, its field and the value. An item that
+    appears is enabled, one that disappears is not."""
+    for kind in ("object", "source", "listener"):
+        for name in getattr(change, f"removed_{kind}s", ()):
+            yield kind, name, "enabled", 0.0
+        for item in getattr(change, f"{kind}s"):
+            yield kind, item.name, "enabled", 1.0
+            for of, fields in CHANGES.values():
+                if of == f"{kind}s":
+                    yield from ((kind, item.name, field, getattr(item, field)) for field in fields)
+    for key, (of, fields) in CHANGES.items():
+        for name, value in getattr(change, key).items():
+            values = value if len(fields) > 1 else (value,)
+            for field, part in zip(fields, values, strict=False):
+                yield of[:-1], name, field, part
 
 
-def _attached(change: RecordedFrame) -> Iterator[tuple[str, Source | Listener]]:
-    """The sources and listeners that appear in a frame, by owner as in `_changes`."""
-    yield from ((f"source {item.name}", item) for item in change.sources)
-    yield from ((f"listener {item.name}", item) for item in change.listeners)
+def _row(value: Any) -> tuple[Any, ...]:
+    """The numbers of a value: of a pose position and rotation."""
+    if value is None or isinstance(value, Pose):
+        pose = value or Pose()
+        return (*pose.position, *pose.rotation)
+    return value if isinstance(value, tuple) else (value,)
 
 
 def _held(keys: Keys) -> tuple[FloatArray, FloatArray]:

@@ -154,7 +154,7 @@ def places(bones: Iterable[Bone], parts: Sequence[BodyPart] = BODY_PARTS) -> dic
 
     Raises ValueError if the skeleton has no head, no hips, or no left and right.
     """
-    named = [_taken_apart(bone) for bone in bones]
+    named = [_Named(bone, *_taken_apart(bone.name)) for bone in bones]
     limbs = {
         (part, side): found
         for part, names in _LIMBS.items()
@@ -237,30 +237,23 @@ def part_in(text: str) -> str:
 def partner(name: str, others: Iterable[str]) -> str:
     """The bone of ``others`` on the other side of the body; the bone itself if it has no side or no
     partner."""
-    own = _taken_apart(Bone(name, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    wanted = (
-        own.base,
-        own.numbers,
-        {"L": "R", "R": "L", "": "none"}[own.side],
-        name.startswith("DEF-"),
-        name.startswith(_SECOND_RATE),
+    base, side, numbers = _taken_apart(name)
+    wanted = base, {"L": "R", "R": "L"}.get(side), numbers
+    ranks = "DEF-", _SECOND_RATE
+    return next(
+        (
+            other
+            for other in others
+            if _taken_apart(other) == wanted
+            and all(other.startswith(rank) == name.startswith(rank) for rank in ranks)
+        ),
+        name,
     )
-    for other in others:
-        found = _taken_apart(Bone(other, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-        if (
-            found.base,
-            found.numbers,
-            found.side,
-            other.startswith("DEF-"),
-            other.startswith(_SECOND_RATE),
-        ) == wanted:
-            return other
-    return name
 
 
-def _taken_apart(bone: Bone) -> _Named:
-    name = bone.name.rpartition(":")[2]
-    name = re.sub(r"^mixamorig\d*_?", "", name)
+def _taken_apart(name: str) -> tuple[str, str, tuple[int, ...]]:
+    """A bone's name without prefixes, its side and its numbers."""
+    name = re.sub(r"^mixamorig\d*_?", "", name.rpartition(":")[2])
     words = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)
     side = ""
     base = ""
@@ -273,7 +266,7 @@ def _taken_apart(bone: Bone) -> _Named:
             side = _SIDES[lower]
         elif lower not in _NOISE:
             base += lower
-    return _Named(bone, base, side, tuple(numbers))
+    return base, side, tuple(numbers)
 
 
 def _first(named: list[_Named], names: tuple[str, ...], side: str = "") -> _Named | None:
