@@ -103,11 +103,7 @@ def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
     )
     for item in latest.value:
         change = item.here - item.there
-        words = (
-            f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}")
-            if math.isfinite(change)
-            else "\N{EM DASH}"
-        )
+        words = levels.change_words(change) if math.isfinite(change) else "\N{EM DASH}"
         draw_pair(
             column,
             fitted(item.listener, 0.45),

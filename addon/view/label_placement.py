@@ -3,8 +3,6 @@ bottom left."""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray
@@ -72,20 +70,20 @@ def place_labels(
         + side * (extent[:, None] / 2 + clearance[:, None, None] * reach)
         - extent[:, None] / 2
     )
-    high = low + extent[:, None]
-    cost = _covered(low, high, paths, room) + _COST_OF_DISTANCE * np.repeat(
+    rectangles = np.concatenate([low, low + extent[:, None]], axis=2)
+    edges = np.moveaxis(rectangles, 2, 0)
+    cost = _covered(edges, paths, room) + _COST_OF_DISTANCE * np.repeat(
         np.arange(len(distances)), len(_SIDES)
     )
-    cost += _COST_OF_CONFUSION * _nearer_to_another(low, high, anchor)
-    free = _free(low, high, room, occupied.reshape(-1, 4))
+    cost += _COST_OF_CONFUSION * _nearer_to_another(edges, anchor)
+    free = _free(edges, room, occupied.reshape(-1, 4))
     placed: list[tuple[float, float, float, float]] = []
     orders = np.argsort(cost, axis=1, kind="stable").tolist()
-    corners = np.concatenate([low, high], axis=2).tolist()
-    for k, (order, rectangles) in enumerate(zip(orders, corners, strict=True)):
+    for k, (order, places) in enumerate(zip(orders, rectangles.tolist(), strict=True)):
         for number in order:
             if not free[k, number]:
                 continue
-            x0, y0, x1, y1 = rectangles[number]
+            x0, y0, x1, y1 = places[number]
             if not any(
                 x0 < right and x1 > left and y0 < top and y1 > bottom
                 for left, bottom, right, top in placed
@@ -96,32 +94,24 @@ def place_labels(
     return corner
 
 
-# Rectangles ``low`` to ``high`` are (n, s, 2): n labels at s candidates. Comparing the two parts of
-# the last axis by themselves is several times faster than `all` over it.
+# Rectangles are given by their ``edges`` (4, n, s): n labels at s candidates.
 
 
 def _free(
-    low: FloatArray, high: FloatArray, room: tuple[float, float, float, float], occupied: FloatArray
+    edges: FloatArray, room: tuple[float, float, float, float], occupied: FloatArray
 ) -> BoolArray:
     """Whether each rectangle lies inside ``room`` and outside ``occupied`` (m, 4)."""
-    (x0, y0), (x1, y1) = np.moveaxis(low, 2, 0), np.moveaxis(high, 2, 0)
+    x0, y0, x1, y1 = edges
     result = (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3])
     left, bottom, right, top = occupied.T
-    inside = np.flatnonzero(result)
-    x0, y0, x1, y1 = (edge.reshape(-1)[inside, None] for edge in (x0, y0, x1, y1))
-    result.reshape(-1)[inside] = ~((x0 < right) & (x1 > left) & (y0 < top) & (y1 > bottom)).any(
-        axis=1
-    )
+    x0, y0, x1, y1 = edges[:, result][..., None]
+    result[result] = ~((x0 < right) & (x1 > left) & (y0 < top) & (y1 > bottom)).any(axis=1)
     return result
 
 
-def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) -> BoolArray:
+def _nearer_to_another(edges: FloatArray, anchor: FloatArray) -> BoolArray:
     """Whether each rectangle is nearer to the anchor of another label than to its own."""
-    (x0, y0), (x1, y1), (x, y) = (
-        np.moveaxis(low, 2, 0)[..., None],
-        np.moveaxis(high, 2, 0)[..., None],
-        anchor.T,
-    )
+    (x0, y0, x1, y1), (x, y) = edges[..., None], anchor.T
     squared = np.maximum(np.maximum(x0 - x, x - x1), 0) ** 2
     squared += np.maximum(np.maximum(y0 - y, y - y1), 0) ** 2
     own = np.diagonal(squared, axis1=0, axis2=2).T
@@ -129,22 +119,17 @@ def _nearer_to_another(low: FloatArray, high: FloatArray, anchor: FloatArray) ->
 
 
 def _covered(
-    low: FloatArray, high: FloatArray, paths: FloatArray, room: tuple[float, float, float, float]
+    edges: FloatArray, paths: FloatArray, room: tuple[float, float, float, float]
 ) -> FloatArray:
     """Number of pixels ``paths`` (k, 2) in each rectangle, to within a cell at its edges: a
     summed-area table of cells."""
-    width, height = (max(math.ceil(end / _CELL), 1) for end in room[2:])
+    ends = np.maximum(np.ceil(np.array(room[2:]) / _CELL), 1).astype(np.int64)
+    width, height = ends.tolist()
     place = (paths / _CELL).astype(np.int64)
-    place = place[(place >= 0).all(axis=1) & (place[:, 0] < width) & (place[:, 1] < height)]
-    sums = np.zeros((width + 1, height + 1), dtype=np.int32)
+    place = place[((place >= 0) & (place < ends)).all(axis=1)]
+    sums = np.zeros(ends + 1, dtype=np.int32)
     cells = np.bincount(place @ (height, 1), minlength=width * height).reshape(width, height)
     np.cumsum(np.cumsum(cells, axis=0), axis=1, out=sums[1:, 1:])
-    x0, y0 = (
-        np.clip(np.rint(low[..., axis] / _CELL), 0, end).astype(np.int64)
-        for axis, end in enumerate((width, height))
-    )
-    x1, y1 = (
-        np.clip(np.rint(high[..., axis] / _CELL), 0, end).astype(np.int64)
-        for axis, end in enumerate((width, height))
-    )
+    borders = np.clip(np.rint(edges / _CELL), 0, np.tile(ends, 2)[:, None, None])
+    x0, y0, x1, y1 = borders.astype(np.int64)
     return np.asarray(sums[x1, y1] - sums[x0, y1] - sums[x1, y0] + sums[x0, y0], dtype=np.float64)

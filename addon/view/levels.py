@@ -13,6 +13,7 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
+from ...core.message import decibels as whole_decibels
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import lasts, still_samples
 from ...core.render.levels import LEVEL_SECONDS as LEVEL_SECONDS
@@ -86,7 +87,7 @@ def place_of(level: float) -> float:
 
 def decibels(level: float) -> str:
     """A level as text: "−12 dB", or "silent"."""
-    return said("silent") if level == -math.inf else f"{_number(level)} dB"
+    return said("silent") if level == -math.inf else whole_decibels(level)
 
 
 def change_words(change: float) -> str:
@@ -100,11 +101,7 @@ def margin_words(margin: float) -> str:
     """A margin in decibels with its sign: "+23 dB", "−5 dB", "0 dB", "" for silence."""
     if margin == -math.inf:
         return ""
-    return f"+{margin:.0f} dB" if round(margin) > 0 else f"{_number(margin)} dB"
-
-
-def _number(level: float) -> str:
-    return f"\N{MINUS SIGN}{-level:.0f}" if round(level) < 0 else f"{max(level, 0.0):.0f}"
+    return f"{'+' if round(margin) > 0 else ''}{whole_decibels(margin)}"
 
 
 def levels(
