@@ -141,30 +141,30 @@ def _felt_energy(
     A Hann window limits the leakage of a tone to frequencies of lower threshold.
     """
     count = samples.shape[-1]
-    window, felt, heard = _hearing(count, sample_rate)
-    power = np.abs(np.fft.rfft(samples * window, axis=-1)[..., felt]) ** 2 * (
-        4 / (count * (window**2).sum())
-    )
+    window, scale, felt, heard = _hearing(count, sample_rate)
+    power = np.abs(np.fft.rfft(samples * window, axis=-1)[..., felt]) ** 2 * scale
     first, *rest = (_weight(count, sample_rate, device) for device in devices)
     alike = all(weight is first for weight in rest)
     return power * (first if alike else np.array([first, *rest])), heard
 
 
 @lru_cache(maxsize=16)
-def _hearing(count: int, sample_rate: float) -> tuple[FloatArray, slice, FloatArray]:
-    """The Hann window of ``count`` samples, which of the frequencies of its spectrum are tactile,
-    and these [Hz]."""
+def _hearing(count: int, sample_rate: float) -> tuple[FloatArray, float, slice, FloatArray]:
+    """The Hann window of ``count`` samples, the factor from its squared spectrum to energies, which
+    of the frequencies are tactile, and these [Hz]."""
+    window = np.hanning(count + 2)[1:-1]
+    scale = 4 / (count * float((window**2).sum()))
     frequency = np.fft.rfftfreq(count, 1 / sample_rate)
     felt = slice(
         int(frequency.searchsorted(_LOWEST)), int(frequency.searchsorted(_HIGHEST, side="right"))
     )
-    return np.hanning(count + 2)[1:-1], felt, np.asarray(frequency[felt], dtype=np.float64)
+    return window, scale, felt, np.asarray(frequency[felt], dtype=np.float64)
 
 
 @lru_cache(maxsize=64)
 def _weight(count: int, sample_rate: float, device: FullScale | None) -> FloatArray:
     """The factor on energies at the tactile frequencies that makes those of thresholds 1."""
-    heard = _hearing(count, sample_rate)[2]
+    heard = _hearing(count, sample_rate)[3]
     return 10 ** (-threshold_level(heard, device) / 10)
 
 

@@ -33,7 +33,7 @@ class Convention:
     def _axes(self) -> FloatArray:
         return np.array(_AXES[self.up, self.handedness], dtype=np.float64)
 
-    @property
+    @cached_property
     def is_own(self) -> bool:
         """Whether it is the convention of scenes."""
         return self == Convention()

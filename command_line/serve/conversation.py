@@ -58,8 +58,8 @@ class Conversation:
         self.last: Step | None = None
 
     def answer(self, text: str | bytes) -> list[Answer]:
-        """The answers to a message. A message that is not valid is answered by an error; it never
-        raises."""
+        """The answers to a message, or to its UTF-8. A message that is not valid is answered by an
+        error; it never raises."""
         name: Any = None
         try:
             message = parse_json(
@@ -222,6 +222,7 @@ def _error(name: Any, where: str, reason: str) -> JsonObject:
     return {"type": "error", **known, "where": where, "message": reason}
 
 
-def text_of(answer: JsonObject) -> str:
-    """An answer as JSON."""
-    return json.dumps(answer, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+text_of: Callable[[JsonObject], str] = json.JSONEncoder(
+    ensure_ascii=False, allow_nan=False, separators=(",", ":")
+).encode
+"""An answer as JSON."""

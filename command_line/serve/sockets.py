@@ -161,8 +161,8 @@ class Door:
         conversation = Conversation(self._scene, partial(self._stage_for, connection))
         try:
             sender.start()
-            for message in connection:
-                outbox.put(conversation.answer(message))
+            while True:
+                outbox.put(conversation.answer(connection.recv(decode=False)))
                 self._heard(conversation)
         except ConnectionClosed:
             pass  # an engine that is stopped just goes

@@ -77,6 +77,7 @@ def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step
         [item.name for item in items] for items in (result.sources, result.listeners)
     )
     gains = result.gains
+    by_listener = gains.T.tolist()
     first = len(result.sources) - len(result.impacts)
     return Step(
         time=result.time,
@@ -84,7 +85,7 @@ def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step
             name: Level(
                 finite(level[k]),
                 finite(margin[k]),
-                dict(zip(sources, gains[:, k].tolist(), strict=True)),
+                dict(zip(sources, by_listener[k], strict=True)),
             )
             for k, name in enumerate(listeners)
         },

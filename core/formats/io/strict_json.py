@@ -8,6 +8,7 @@ JSON pointer.
 
 from __future__ import annotations
 
+import codecs
 import gzip
 import json
 import re
@@ -93,7 +94,7 @@ def parse_json(data: bytes, file: str | Path) -> Any:
     if not data.strip():
         raise FormatError(file, "/", "the file is empty")
     try:
-        text = data.decode("utf-8-sig")
+        text = data.removeprefix(codecs.BOM_UTF8).decode()
     except UnicodeDecodeError as error:
         raise FormatError(
             file, "/", f"not UTF-8: byte {error.start} is 0x{data[error.start]:02x}"
@@ -160,7 +161,7 @@ def _check_extent(data: bytes, file: str | Path) -> None:
             values += int(np.count_nonzero((steps > 0) | ((codes == ord(",")) & ~inside)))
             if values > MAX_VALUES:
                 raise FormatError(file, "/", f"more than {MAX_VALUES} values")
-        depths = depth + np.cumsum(steps, dtype=np.int64)
+        depths = depth + steps.cumsum(dtype=np.int64)
         if depths.max() > MAX_DEPTH:
             marked = np.isin(np.frombuffer(part, dtype=np.uint8), list(_MARKS)).nonzero()[0]
             place = start + int(marked[np.argmax(depths > MAX_DEPTH)])
