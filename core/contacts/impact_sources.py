@@ -216,6 +216,8 @@ class ImpactSources:
 
     def sources(self, transforms: FloatArray) -> tuple[Source, ...]:
         """Return the sources, each at its place on both bodies."""
+        if not self._sounding:
+            return ()
         local = np.array(
             [place for sounding in self._sounding for place in sounding.local]
         ).reshape(-1, 3)

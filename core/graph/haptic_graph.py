@@ -42,6 +42,9 @@ class NodeKind(IntEnum):
     LISTENER = 2
 
 
+_KINDS = np.array(NodeKind, dtype=np.int8)
+
+
 class NoGain(ValueError):
     """Error for an expression without a valid gain; ``objects``: the name of its object, or those
     of the contact's two objects."""
@@ -437,9 +440,8 @@ def build_graph(
             object with itself or a number that is not finite.
         NoGain: a transmission expression gives no valid gain.
     """
-    index = table.index()
-    _check(table, index, contacts, sources, listeners)
-    contacts = _canonical(contacts)
+    _check(table, contacts)
+    contacts = _canonical(contacts, len(table.names))
     count = len(contacts)
     source_entries = [
         (number, name, position)
@@ -453,21 +455,24 @@ def build_graph(
     ends = [(name, position) for _, name, position in source_entries] + [
         (item.object, item.position) for item in listeners
     ]
-    ends += [(item.object, point) for item in listeners for point in points_in(item)]
-    node_object = np.concatenate(
-        [contacts.pairs.T.reshape(-1), np.array([index[name] for name, _ in ends], dtype=np.int64)]
-    )
-    node_kind = np.repeat(
-        np.array([NodeKind.CONTACT, NodeKind.SOURCE, NodeKind.LISTENER], dtype=np.int8),
-        [2 * count, len(source_entries), len(ends) - len(source_entries)],
-    )
+    points = [points_in(item) for item in listeners]
+    ends += [
+        (item.object, point) for item, own in zip(listeners, points, strict=True) for point in own
+    ]
+    index = table.index()
+    try:
+        on = np.array([index[name] for name, _ in ends], dtype=np.int64)
+    except KeyError:
+        raise _not_there(index, sources, listeners) from None
+    node_object = np.concatenate([contacts.pairs.T.reshape(-1), on])
+    node_kind = _KINDS.repeat([2 * count, len(source_entries), len(ends) - len(source_entries)])
     node_position = np.empty((3, len(node_object)))
     node_position[:, :count] = contacts.positions[:, 0].T
     node_position[:, count : 2 * count] = contacts.positions[:, 1].T
     node_position[:, 2 * count :] = (
         np.array([position for _, position in ends], dtype=np.float64).reshape(-1, 3).T
     )
-    order = np.argsort(node_object, kind="stable")
+    order = node_object.argsort(kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     partner, contact = _inter_connections(rank, count)
@@ -480,9 +485,7 @@ def build_graph(
     )
     return HapticGraph(
         table=table,
-        start=np.concatenate(
-            [[0], np.cumsum(np.bincount(node_object, minlength=len(table.names)))]
-        ),
+        start=np.concatenate([[0], np.bincount(node_object, minlength=len(table.names)).cumsum()]),
         node_object=node_object[order],
         node_kind=node_kind[order],
         node_position=node_position.take(order, axis=1).T,  # each coordinate contiguous
@@ -504,7 +507,7 @@ def build_graph(
         frames=frames,
         forces=forces,
         reach=_reach(listeners, listener_nodes, len(rank)),
-        points=_points(listeners, listener_nodes.tolist()),
+        points=_points([len(own) for own in points], listener_nodes.tolist()),
         fronts=_fronts(table, contacts, frames, rank),
     )
 
@@ -550,11 +553,9 @@ def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatA
     return reach
 
 
-def _points(
-    listeners: Sequence[Listener], nodes: Sequence[int]
-) -> tuple[tuple[int, ...], ...] | None:
-    """`HapticGraph.points`; ``nodes``: one for each listener, then those of all further points."""
-    sizes = [len(points_in(listener)) for listener in listeners]
+def _points(sizes: Sequence[int], nodes: Sequence[int]) -> tuple[tuple[int, ...], ...] | None:
+    """`HapticGraph.points`; ``sizes``: numbers of further points of the listeners; ``nodes``: one
+    for each listener, then those of all further points."""
     if not any(sizes):
         return None
     more = iter(nodes[len(sizes) :])
@@ -604,29 +605,22 @@ def graph_of_scene(scene: HapticScene) -> HapticGraph:
     )
 
 
-def _check(
-    table: ObjectTable,
-    index: Mapping[str, int],
-    contacts: ContactSet,
-    sources: Sequence[Source],
-    listeners: Sequence[Listener],
-) -> None:
-    """Raise ValueError that names the argument of `build_graph` which is wrong.
+def _not_there(
+    index: Mapping[str, int], sources: Sequence[Source], listeners: Sequence[Listener]
+) -> ValueError:
+    """The error that names the source or listener on an object without a number in ``index``."""
+    on = [("listeners", item.name, item.object) for item in listeners] + [
+        ("sources", item.name, name)
+        for item in sources
+        for name in (item.object, item.second_object)
+        if name is not None
+    ]
+    key, item, name = next(entry for entry in on if entry[2] not in index)
+    return ValueError(f"{key}: {item!r} is on {name!r}, but there is no such object")
 
-    Args:
-        table: the objects.
-        index: their numbers by name.
-        contacts: between them.
-        sources: on them.
-        listeners: on them.
-    """
-    for key, items in (("sources", sources), ("listeners", listeners)):
-        for item in items:
-            for name in (item.object, getattr(item, "second_object", None)):
-                if name is not None and name not in index:
-                    raise ValueError(
-                        f"{key}: {item.name!r} is on {name!r}, but there is no such object"
-                    )
+
+def _check(table: ObjectTable, contacts: ContactSet) -> None:
+    """Raise ValueError that says what is wrong with the contacts between objects of the table."""
     pairs = contacts.pairs
     if len(pairs) == 0:
         return
@@ -644,19 +638,19 @@ def _check(
         raise ValueError("contacts: weight must lie in [0, 1]")
 
 
-def _canonical(contacts: ContactSet) -> ContactSet:
-    """Each pair's smaller object first, contacts sorted by objects, then by position and all other
-    fields."""
+def _canonical(contacts: ContactSet, count: int) -> ContactSet:
+    """Each pair's smaller object first, contacts sorted by objects, of which there are ``count``,
+    then by position and all other fields."""
     swapped = contacts.pairs[:, 0] > contacts.pairs[:, 1]
-    key = _keys(contacts.pairs)
+    key = contacts.pairs @ (count, 1)
     if not swapped.any() and (key[1:] > key[:-1]).all():
         return contacts
     pairs = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
     positions = np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions)
     normal = np.where(swapped[:, None], -contacts.normal, contacts.normal)
-    key = _keys(pairs)
-    order = np.argsort(key, kind="stable")
-    if np.any(key[order[1:]] == key[order[:-1]]):
+    key = pairs @ (count, 1)
+    order = key.argsort(kind="stable")
+    if (key[order[1:]] == key[order[:-1]]).any():
         by_name = sorted(
             range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k])
         )
@@ -667,18 +661,14 @@ def _canonical(contacts: ContactSet) -> ContactSet:
     return rows_of(replace(contacts, pairs=pairs, positions=positions, normal=normal), order)
 
 
-def _keys(pairs: IntArray) -> IntArray:
-    """(n,) numbers in the order of the pairs."""
-    return np.asarray(pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1])
-
-
 def _forces(
     table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, gravity: Vector
 ) -> FloatArray | None:
     """Forces of the contacts, None if no function uses them. A medium carries no weight."""
-    asks = np.array([function.uses_force for function in contacts.transmissions])[
-        contacts.transmission
-    ]
+    uses_force = [function.uses_force for function in contacts.transmissions]
+    if not any(uses_force):
+        return None
+    asks = np.array(uses_force)[contacts.transmission]
     if not asks.any():
         return None
     masses = [

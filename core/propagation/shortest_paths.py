@@ -133,20 +133,35 @@ class _Relaxation:
         )
         """Per row: which of the ``tables`` it is searched by. Arrays below that depend on the table
         hold one after the other."""
-        self.shift = np.array(self.views, dtype=np.int64) * self.count if len(views) > 1 else None
         self.limits = np.minimum(limits, sys.float_info.max / 2)
         # A node's cost begins just above the limit of its row, so that a path beyond the limit is
         # no improvement.
         self.arrival = np.nextafter(self.limits, math.inf)[:, None].repeat(self.count, axis=1)
         self.entry = np.full((rows, self.count), -1, dtype=np.int64)
-        self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
         self.targets = targets
-        if targets is not None:
-            size = np.array([len(nodes) for nodes in targets])
-            self.sought = np.concatenate(targets) + (np.arange(rows) * self.count).repeat(size)
-            self.first_sought = size.cumsum() - size
         self.complete = complete or bool(graph.table.special)
         self.tables = [one.table for one in views]
+        # Per node: cost of its inter-connection; contact -1 takes the appended infinity.
+        self.crossing = np.concatenate(
+            [
+                np.maximum(0.0, np.concatenate([one.transmission_loss, [math.inf]]))[graph.contact]
+                for one in views
+            ]
+        )
+        self.relaxed = 0
+
+    def prepare(self) -> None:
+        """Make what `_relax_cheapest` reads besides."""
+        graph = self.graph
+        rows = len(self.views)
+        self.shift = (
+            np.array(self.views, dtype=np.int64) * self.count if len(self.tables) > 1 else None
+        )
+        self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
+        if self.targets is not None:
+            size = np.array([len(nodes) for nodes in self.targets])
+            self.sought = np.concatenate(self.targets) + (np.arange(rows) * self.count).repeat(size)
+            self.first_sought = size.cumsum() - size
         # Per node, as all that follows: of its object the first node, and the number of nodes
         # besides itself.
         index = graph.node_object
@@ -157,15 +172,7 @@ class _Relaxation:
             [np.maximum(0.0, table.loss)[index] for table in self.tables]
         )
         self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
-        # Per node: cost of its inter-connection; contact -1 takes the appended infinity.
-        self.crossing = np.concatenate(
-            [
-                np.maximum(0.0, np.append(one.transmission_loss, math.inf))[graph.contact]
-                for one in views
-            ]
-        )
         self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
-        self.relaxed = 0
 
     def table_index(self, row: IntArray, node: IntArray) -> IntArray:
         """Index of a node in the arrays that hold one table after the other, for the table by which
@@ -217,6 +224,7 @@ def shortest_paths(
     if len(roots) * work.count <= FEW:
         _finish_by_dijkstra(work, *pending)
         return work.result()
+    work.prepare()
     while len(pending[0]):
         pending = _relax_cheapest(work, *pending)
         rounds += 1
