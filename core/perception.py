@@ -143,9 +143,10 @@ def _felt_energy(
     count = samples.shape[-1]
     window, scale, felt, heard = _hearing(count, sample_rate)
     power = np.abs(np.fft.rfft(samples * window, axis=-1)[..., felt]) ** 2 * scale
-    first, *rest = (_weight(count, sample_rate, device) for device in devices)
-    alike = all(weight is first for weight in rest)
-    return power * (first if alike else np.array([first, *rest])), heard
+    weights = {device: _weight(count, sample_rate, device) for device in set(devices)}
+    if len(weights) > 1:
+        return power * np.array([weights[device] for device in devices]), heard
+    return power * weights[devices[0]], heard
 
 
 @lru_cache(maxsize=16)

@@ -44,16 +44,18 @@ class BodyPoses:
         if len(moved) == 0:
             return columns, moved, moved, moved
         self.last_extents = self.extents.copy()
-        finite = np.isfinite(columns[:, moved]).all(axis=0)
-        moved, lost = moved[finite], moved[~finite]
-        gone = lost[np.isfinite(self.pose[0, lost])]
-        self.extents[..., gone] = -np.inf
-        self.version[gone] += 1
-        self.pose[:, lost] = self._rest_pose[:, lost] = np.nan
+        finite = np.isfinite(columns.take(moved, axis=1)).all(axis=0)
+        lost = gone = moved[~finite]
+        if len(lost):
+            moved = moved[finite]
+            gone = lost[np.isfinite(self.pose[0, lost])]
+            self.extents[..., gone] = -np.inf
+            self.version[gone] += 1
+            self.pose[:, lost] = self._rest_pose[:, lost] = np.nan
         pose = self.pose[:, moved] = columns.take(moved, axis=1)
-        rests = np.abs(pose - self._rest_pose[:, moved]) <= table.rest_limits[:, moved]
-        left = moved[~rests.all(axis=0)]
-        self._rest_pose[:, left] = columns[:, left]
+        way = np.abs(pose - self._rest_pose.take(moved, axis=1))
+        left = moved[~(way <= table.rest_limits.take(moved, axis=1)).all(axis=0)]
+        self._rest_pose[:, left] = columns.take(left, axis=1)
         self.version[moved] += 1
         self.extents[..., moved] = table.extents(moved, pose, grow)
         if len(gone):

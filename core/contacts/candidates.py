@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, chosen_of
+from ..arrays import BoolArray, FloatArray, IntArray
 from .body_poses import BodyPoses
 from .body_table import BodyTable
 from .contact_set import ContactSet
@@ -86,12 +86,17 @@ class Candidates:
             return Candidates.of(key, larger, smaller)
         place = self.rows_of(key)
         here = self.key[place] == key
-        carried = chosen_of(self, place)
-        carried.key, carried.larger, carried.smaller = key, larger, smaller
-        for state in (carried.known, carried.touching, carried.struck):
-            state &= here
-        carried.examined |= ~here
-        return carried
+        return Candidates(
+            key,
+            larger,
+            smaller,
+            known=self.known[place] & here,
+            touching=self.touching[place] & here,
+            struck=self.struck[place] & here,
+            examined=self.examined[place] | ~here,
+            version=self.version.take(place, axis=1),
+            values=self.values.take(place, axis=1),
+        )
 
     def rows_of(self, key: IntArray) -> IntArray:
         """Where pairs (k,) by key stand; of one that is no candidate, where another one does."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,7 +32,7 @@ class ContactSet:
     area: FloatArray
     weight: FloatArray
     transmission: IntArray
-    transmissions: tuple[ModulationFunction, ...] = field(default_factory=lambda: (Identity(),))
+    transmissions: tuple[ModulationFunction, ...] = (Identity(),)
 
     def __len__(self) -> int:
         return len(self.pairs)

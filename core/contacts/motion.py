@@ -166,7 +166,10 @@ class MotionHistory:
         self._since_onset[moved[self._since_moved[moved] > 1]] = 0
         self._since_moved[moved] = 0
         self._has_moved[moved] = True
-        self._since_moved[~known] = self._since_disturbed[~known] = self._since_hit[~known] = 0
+        if not known.all():
+            unknown = ~known
+            for count in (self._since_moved, self._since_disturbed, self._since_hit):
+                count[unknown] = 0
 
     def renumber(self, before: IntArray) -> None:
         """Follow a new order of the bodies: ``before`` (n,) are their former numbers, -1 for a new

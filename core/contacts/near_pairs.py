@@ -35,7 +35,8 @@ class NearPairs:
     ) -> None:
         """Find the pairs again if the wide bounds of bodies that have ``moved`` do not contain
         those with these ``extents`` (2, 3, n) any more. Bounds are wider where bodies drift."""
-        rows = moved[~(extents[..., moved] <= self._wide[..., moved]).all(axis=(0, 1))]
+        inside = extents.take(moved, axis=2) <= self._wide.take(moved, axis=2)
+        rows = moved[~inside.all(axis=(0, 1))]
         if len(rows) == 0:
             return
         drift = history.drift(rows)

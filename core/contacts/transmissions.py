@@ -36,9 +36,9 @@ class TransmissionRules:
         return any(function.uses_force for function in self.functions)
 
     def over(self, contacts: ContactSet) -> ContactSet:
-        """``contacts`` with their functions; their pairs number the objects."""
+        """``contacts``, which were found, with their functions; their pairs number the objects."""
         if len(self.functions) == 1:
-            return replace(contacts, transmissions=self.functions)
+            return contacts
         numbers = [self._number(a, b) for a, b in contacts.pairs.tolist()]
         return replace(
             contacts, transmission=np.array(numbers, dtype=np.int64), transmissions=self.functions

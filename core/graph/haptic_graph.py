@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
-from ..contacts.authored import rows_of
+from ..contacts.authored import ARRAYS, rows_of
 from ..contacts.contact_set import ContactSet
 from ..contacts.forces import contact_forces
 from ..frozen import frozen
@@ -658,7 +658,13 @@ def _canonical(contacts: ContactSet, count: int) -> ContactSet:
         flat = positions.reshape(len(pairs), 6)
         values = contacts.depth, contacts.weight, contacts.area
         order = np.lexsort((function, *normal.T, *values, *flat.T[::-1], key))
-    return rows_of(replace(contacts, pairs=pairs, positions=positions, normal=normal), order)
+    return replace(
+        contacts,
+        pairs=pairs[order],
+        positions=positions[order],
+        normal=normal[order],
+        **{key: getattr(contacts, key)[order] for key in ARRAYS[3:]},
+    )
 
 
 def _forces(

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, IntArray
 from ..collisions import Frame
 from ..contacts.authored import AuthoredContacts
 from ..contacts.contact_set import ContactSet
@@ -327,7 +327,7 @@ class Run:
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
         # By kind, "source" or "listener": the rows of their objects, and their positions in the
         # frames of these (n, 3).
-        self._anchors: dict[str, tuple[list[int], FloatArray]] = {}
+        self._anchors: dict[str, tuple[IntArray, FloatArray]] = {}
 
     def _checked_poses(self, poses: Mapping[str, Sequence[float]]) -> FloatArray:
         """Poses of objects as an array (n, 7), with unit quaternions."""
@@ -350,7 +350,7 @@ class Run:
 
     def _move(self, names: Sequence[str], moved: FloatArray, duration: float) -> None:
         """Set the poses (n, 7) of the named objects, ``duration`` seconds after the last step."""
-        rows = [self._row[name] for name in names]
+        rows = np.array([self._row[name] for name in names], dtype=np.int64)
         travel = _lengths(moved[:, :3] - self._poses[rows, :3, 3])
         far = abs(duration) * _FASTEST
         fast = (travel > far / 2).nonzero()[0].tolist()
@@ -358,7 +358,8 @@ class Run:
         self._fast = {names[k] for k in fast}
         self._poses[rows, :3, :3] = rotation_matrix(moved[:, 3:])
         self._poses[rows, :3, 3] = moved[:, :3]
-        self._moved.update(names)
+        if self._listed:
+            self._moved.update(names)
 
     def _check_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
         """Raise PlacedError unless each form says what a source of the run shall do."""
@@ -453,7 +454,7 @@ class Run:
         """Sources or listeners where they are now: on their objects, or at a ``given`` position."""
         if kind not in self._anchors:
             self._anchors[kind] = (
-                [self._row[item.object] for item in items.values()],
+                np.array([self._row[item.object] for item in items.values()], dtype=np.int64),
                 np.array([self._places[kind, name] for name in items]).reshape(-1, 3),
             )
         rows, places = self._anchors[kind]

@@ -73,13 +73,9 @@ _Item = TypeVar("_Item")
 
 def _with(item: _Item, **checked: Any) -> _Item:
     """A copy with other values of some fields. Unlike `dataclasses.replace` it repeats no
-    validation, because positions change in every frame."""
+    validation, because positions change in every frame; so such an item has no slots."""
     copy = object.__new__(type(item))
-    put = object.__setattr__
-    for name in type(item).__slots__:  # type: ignore[attr-defined]
-        put(copy, name, getattr(item, name))
-    for name, value in checked.items():
-        put(copy, name, value)
+    vars(copy).update(vars(item), **checked)
     return copy
 
 
@@ -349,7 +345,7 @@ SOURCE_KINDS = {
 }
 
 
-@frozen
+@frozen(slots=False)
 class Source:
     """Emits a signal. A source of an impact, or of sliding or rolling, also excites
     ``second_object``, the other side of its contact. A source with ``triggers`` plays its signal
@@ -465,7 +461,7 @@ PARTS = {
 }
 
 
-@frozen
+@frozen(slots=False)
 class Listener:
     """Receives signals at a point of the body. The fields' declarations say what they are."""
 

@@ -70,6 +70,7 @@ class BoxPairs:
         # By body, for those that are boxes.
         self._sizes = np.concatenate([table.half, table.radius[:, None]], axis=1)[..., first]
         self._authored = table.is_box[first]
+        self._all_authored = bool(self._authored.all())
         self._turn = table.rotation[..., first]
         self._shift = table.offset[:, first]
         self._outline = table.outline[:, first]
@@ -94,9 +95,13 @@ class BoxPairs:
             turn_b = self._turn[..., second]
             offset = turned_back(turn_a, offset + turned(rotation, shift) - self._shift[:, first])
             rotation = relative(turn_a, product(rotation, turn_b))
-        sharp = self._authored[first] & self._authored[second]
-        sizes = (self._sizes.take(body, axis=2) for body in (first, second))
-        size_a, size_b = (np.where(sharp, size[Size.SHARP], size[Size.USUAL]) for size in sizes)
+        size_a, size_b = (self._sizes[Size.SHARP].take(body, axis=1) for body in (first, second))
+        if not self._all_authored:
+            sharp = self._authored[first] & self._authored[second]
+            usual = (self._sizes[Size.USUAL].take(body, axis=1) for body in (first, second))
+            size_a, size_b = (
+                np.where(sharp, *sizes) for sizes in zip((size_a, size_b), usual, strict=True)
+            )
         return Boxes(rows, rotation, offset, size_a[:3], size_b[:3], size_a[3], size_b[3])
 
     def clearances(self, boxes: Boxes) -> FloatArray:
