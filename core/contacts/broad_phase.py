@@ -32,15 +32,10 @@ def overlapping_pairs(low: FloatArray, high: FloatArray, active: BoolArray) -> I
 
 def _with_all(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
     """Pairs (2, p) of each ``active`` box with all boxes, each pair once."""
-    count = len(active)
-    return _compared(
-        low,
-        high,
-        active,
-        np.zeros(count, dtype=np.int64),
-        np.full(count, count),
-        max(1, _CHUNK // max(count, 1)),
-    )
+    rows = active.nonzero()[0]
+    step = max(1, _CHUNK // max(len(active), 1))
+    parts = [rows[k : k + step] for k in range(0, len(rows), step)]
+    return _compared(low, high, active, [(part, 0, len(active)) for part in parts])
 
 
 def _swept(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
@@ -68,29 +63,22 @@ def _swept(low: FloatArray, high: FloatArray, active: BoolArray) -> IntArray:
         else low[axis].searchsorted(low[axis] - extent[others].max())
     )
     end = low[axis].searchsorted(high[axis], side="right")
-    return np.concatenate(
-        [found, others[_compared(low, high, active[others], begin, end, _ROWS)]], axis=1
-    )
+    active = active[others]
+    rows = active.nonzero()[0]
+    parts = [rows[k : k + _ROWS] for k in range(0, len(rows), _ROWS)]
+    near = [(part, int(begin[part[0]]), int(end[part].max())) for part in parts]
+    return np.concatenate([found, others[_compared(low, high, active, near)]], axis=1)
 
 
 def _compared(
-    low: FloatArray, high: FloatArray, active: BoolArray, begin: IntArray, end: IntArray, step: int
+    low: FloatArray, high: FloatArray, active: BoolArray, parts: list[tuple[IntArray, int, int]]
 ) -> IntArray:
-    """Overlapping pairs (2, p), each once.
-
-    Args:
-        low: lowest corners of the boxes (3, n).
-        high: highest corners (3, n).
-        active: boxes of which at least one is in each pair (n,).
-        begin: first box with which each is compared (n,), growing.
-        end: the one after the last (n,).
-        step: boxes that are compared at a time.
-    """
+    """Overlapping pairs (2, p), each once, of boxes with lowest and highest corners (3, n).
+    ``active`` (n,): boxes of which at least one is in each pair; ``parts``: some of these (k,) at a
+    time, and the first of the boxes with which they are compared, and the one after the last."""
     found = [np.zeros((2, 0), dtype=np.int64)]
-    rows = active.nonzero()[0]
-    for k in range(0, len(rows), step):
-        part = rows[k : k + step]
-        near = slice(int(begin[part[0]]), int(end[part].max()))
+    for part, begin, end in parts:
+        near = slice(begin, end)
         bottom = low[:, part, None]
         top = high[:, part, None]
         met = low[0, near] <= top[0]
@@ -100,7 +88,7 @@ def _compared(
             met &= high[axis, near] >= bottom[axis]
         row, other = np.divmod(met.reshape(-1).nonzero()[0], max(met.shape[1], 1))
         row = part[row]
-        other = other + near.start
+        other = other + begin
         kept = (row < other) | ((row > other) & ~active[other])
         found.append(np.array([row[kept], other[kept]]))
     return np.concatenate(found, axis=1)

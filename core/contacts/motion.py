@@ -10,7 +10,6 @@ Poses are arrays (12, n): rotation by rows, then position.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -228,9 +227,9 @@ class MotionHistory:
             return np.zeros(len(self._since_moved))
         return np.sqrt(_squared(self._poses[-1][9:] - self._poses[-2][9:])) / self.step
 
-    def speed_bound(self, gravity: FloatArray) -> FloatArray:
+    def speed_bound(self, weight: float) -> FloatArray:
         """Estimated upper bound (n,) on the speed of each body in the last interval; 0 before there
-        are three poses."""
+        are three poses. ``weight``: the gravity's strength [m/s^2]."""
         if len(self.times) < 3:
             return np.zeros(len(self._since_moved))
         step = self.times[-1] - self.times[-2]
@@ -238,7 +237,6 @@ class MotionHistory:
         now, last, before = (self._poses[-k][9:] for k in (1, 2, 3))
         direct = (now - last) / step
         chord = (last - before) / known
-        weight = math.sqrt(gravity @ gravity)
         bend = np.sqrt(_squared(direct - chord)) * (2 / (step + known))
         if len(self.times) > 3:
             older = self.times[-3] - self.times[-4]
@@ -285,7 +283,7 @@ class MotionHistory:
         now = end[9:]
         last = start[9:]
         before = earlier[9:]
-        weight = math.sqrt(gravity @ gravity)
+        weight = float(np.linalg.norm(gravity))
         chord = (last - before) / known
         direct = (now - last) / step
         clean = self._since_disturbed - 1  # undisturbed intervals up to the start of the path

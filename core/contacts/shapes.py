@@ -59,10 +59,14 @@ def points_array(key: str, value: ArrayLike) -> FloatArray:
 def rotation_matrix(rotation: ArrayLike) -> FloatArray:
     """The matrices (n, 3, 3) of unit quaternions (n, 4), or that of one: w, x, y, z."""
     w, x, y, z = np.asarray(rotation, dtype=np.float64).T
+    x2, y2, z2 = 2 * x, 2 * y, 2 * z
+    xx, yy, zz = x * x2, y * y2, z * z2
+    xy, xz, yz = x * y2, x * z2, y * z2
+    wx, wy, wz = w * x2, w * y2, w * z2
     columns = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
-        [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
-        [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
+        [1 - (yy + zz), xy + wz, xz - wy],
+        [xy - wz, 1 - (xx + zz), yz + wx],
+        [xz + wy, yz - wx, 1 - (xx + yy)],
     ]
     return np.array(columns).T
 

@@ -23,7 +23,7 @@ class Striking:
         self._settings = settings
         self.least = min(item.least_energy for item in settings.all_limits())
         self._gravity = np.array(settings.gravity) * settings.time_scale**2
-        self._weight = float(np.linalg.norm(settings.gravity)) * settings.time_scale**2
+        self._weight = float(np.linalg.norm(self._gravity))
         self._turning = settings.energy is ImpactEnergy.NORMAL
 
     def _energies(self, table: BodyTable, speed: FloatArray) -> FloatArray:
@@ -58,7 +58,7 @@ class Striking:
         if self._none_strikes(table):
             return None
         if not self._turning:
-            energy = self._energies(table, history.speed_bound(self._gravity))
+            energy = self._energies(table, history.speed_bound(self._weight))
             if not (energy >= self.least / 2).any():
                 return None
         paths = history.paths(~table.dynamic, airborne, self._gravity)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -260,7 +259,7 @@ class Run:
         if listener is not None:
             require_known(listener, self._listeners, "listener", ("listener",))
             del self._listeners[listener]
-        self._anchors.clear()
+        self._anchors = None
 
     def replace(
         self,
@@ -301,7 +300,7 @@ class Run:
         require_known(item.object, self._objects, "object", (kind, "object"))
         pose = self._poses[self._row[item.object]]
         self._places[kind, item.name] = pose[:3, :3].T @ (np.array(item.position) - pose[:3, 3])
-        self._anchors.clear()
+        self._anchors = None
         if isinstance(item, Source):
             self._sources[item.name] = item
             self._amplitudes.pop(item.name, None)  # it brings its own
@@ -325,14 +324,15 @@ class Run:
         ]
         self._bodies = tuple(body for _, body in self._solids)
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
-        # By kind, "source" or "listener": the rows of their objects, and their positions in the
-        # frames of these (n, 3).
-        self._anchors: dict[str, tuple[IntArray, FloatArray]] = {}
+        # Of all sources, then of all listeners: the rows of their objects, and their positions in
+        # the frames of these (n, 3).
+        self._anchors: tuple[IntArray, FloatArray] | None = None
 
     def _checked_poses(self, poses: Mapping[str, Sequence[float]]) -> FloatArray:
         """Poses of objects as an array (n, 7), with unit quaternions."""
-        for name in itertools.filterfalse(self._row.__contains__, poses):
-            require_known(name, self._row, "object", ("poses", name))
+        if not poses.keys() <= self._row.keys():
+            for name in poses:
+                require_known(name, self._row, "object", ("poses", name))
         try:
             moved = np.array([*poses.values()], dtype=np.float64).reshape(len(poses), 7)
             if not (np.abs(moved) <= _FARTHEST).all():
@@ -422,8 +422,9 @@ class Run:
         """
         self._step += 1
         transforms = self._poses[self._solid] if given is None else self._poses.copy()
+        places = self._places_now()
         sources = []
-        for source in self._placed("source", self._sources, source_positions):
+        for source in _moved(self._sources, places, source_positions):
             amplitude = (
                 0.0
                 if source.name in self._silent
@@ -438,7 +439,7 @@ class Run:
             time=time,
             objects=self._frame_objects,
             sources=tuple(sources),
-            listeners=tuple(self._placed("listener", self._listeners, listener_positions)),
+            listeners=tuple(_moved(self._listeners, places[len(sources) :], listener_positions)),
             settings=self.settings,
             bodies=self._bodies if given is None else (),
             transforms=transforms,
@@ -448,22 +449,21 @@ class Run:
             struck=struck,
         )
 
-    def _placed(
-        self, kind: str, items: Mapping[str, Item], given: Mapping[str, Position]
-    ) -> list[Item]:
-        """Sources or listeners where they are now: on their objects, or at a ``given`` position."""
-        if kind not in self._anchors:
-            self._anchors[kind] = (
-                np.array([self._row[item.object] for item in items.values()], dtype=np.int64),
-                np.array([self._places[kind, name] for name in items]).reshape(-1, 3),
+    def _places_now(self) -> list[list[float]]:
+        """The positions of all sources, then of all listeners, on their objects."""
+        if self._anchors is None:
+            items = (*self._sources.values(), *self._listeners.values())
+            keys = [("source", name) for name in self._sources]
+            keys += [("listener", name) for name in self._listeners]
+            self._anchors = (
+                np.array([self._row[item.object] for item in items], dtype=np.int64),
+                np.array([self._places[key] for key in keys]).reshape(-1, 3),
             )
-        rows, places = self._anchors[kind]
+        rows, places = self._anchors
         poses = self._poses[rows]
         now = np.einsum("nij,nj->ni", poses[:, :3, :3], places) + poses[:, :3, 3]
-        return [
-            item.moved(given.get(item.name, place))
-            for item, place in zip(items.values(), now.tolist(), strict=True)
-        ]
+        found: list[list[float]] = now.tolist()
+        return found
 
     def _given(self, contacts: Sequence[Mapping[str, Any]] | None) -> ContactSet | None:
         """The caller's contacts; without them, those of the scene where no object has a shape."""
@@ -486,6 +486,16 @@ class Run:
             ]
             self._authored = settled, AuthoredContacts.of(self._objects, settled, kept, {})
         return self._authored[1]
+
+
+def _moved(
+    items: Mapping[str, Item], places: Sequence[Position], given: Mapping[str, Position]
+) -> list[Item]:
+    """Sources or listeners at the first of the ``places``, or at their ``given`` positions."""
+    return [
+        item.moved(given.get(item.name, place))
+        for item, place in zip(items.values(), places, strict=False)
+    ]
 
 
 def _lengths(vectors: FloatArray) -> FloatArray:

@@ -30,6 +30,7 @@ MAX_VALUES = 32_000_000
 _CHUNK = 2**22
 _MARKS = b'"[]{},'
 _PLAIN = bytes(set(range(256)) - set(_MARKS))
+_NO_NEST = bytes(set(range(256)) - set(b'"[]{}'))
 _STEPS = np.zeros(256, dtype=np.int8)
 """By byte: the change of the nesting depth, 1 at an opening and -1 at a closing bracket."""
 _STEPS[list(b"[{")], _STEPS[list(b"]}")] = 1, -1
@@ -146,9 +147,13 @@ def read_json(path: str | Path, max_bytes: int = MAX_BYTES) -> Any:
 def _check_extent(data: bytes, file: str | Path) -> None:
     """Check depth and number of values before parsing, in chunks to save memory."""
     data = _without_escapes(data)
+    may_exceed = len(data) > MAX_VALUES  # each value begins with a byte of its own
+    # Without strings and the innermost lists, mostly few brackets are left.
+    left = data.translate(None, _NO_NEST).replace(b'""', b"").replace(b"[]", b"")
+    if not may_exceed and len(left) < MAX_DEPTH and b'"' not in left:
+        return
     depth = values = 0
     is_inside = False
-    may_exceed = len(data) > MAX_VALUES  # each value begins with a byte of its own
     for start in range(0, len(data), _CHUNK):
         part = data[start : start + _CHUNK]
         codes = np.frombuffer(part.translate(None, _PLAIN), dtype=np.uint8)
