@@ -645,7 +645,7 @@ def _canonical(contacts: ContactSet, count: int) -> ContactSet:
     key = contacts.pairs @ (count, 1)
     if not swapped.any() and (key[1:] > key[:-1]).all():
         return contacts
-    pairs = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
+    pairs: IntArray = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
     positions = np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions)
     normal = np.where(swapped[:, None], -contacts.normal, contacts.normal)
     key = pairs @ (count, 1)

@@ -37,7 +37,7 @@ def margins(samples: FloatArray, sample_rate: float, listeners: Sequence[Listene
     """The margins (l,) [dB] of ``samples`` (l, n) above the thresholds of feeling, by the devices
     of ``listeners``, () for those assumed; minus infinity for silence."""
     devices = [item.device for item in listeners] or [None] * len(samples)
-    sounding = samples.any(axis=1).nonzero()[0]
+    sounding = np.asarray(samples.any(axis=1)).nonzero()[0]
     if 0 < len(sounding) == len(samples):
         return sensation_level(samples, sample_rate, devices)
     found = np.full(len(samples), -np.inf)

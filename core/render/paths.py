@@ -161,7 +161,7 @@ class SteadyPaths(TonePaths):
 
 def _sounding(frame: FrameSamples, group: Group) -> Group:
     """Return the streams that are heard in a frame with samples."""
-    heard = group.audible.any(axis=1).tolist()
+    heard = np.asarray(group.audible.any(axis=1)).tolist()
     longest = group.longest_delays().tolist()
     late = zip(group.streams, longest, strict=True)
     sounds = [

@@ -57,6 +57,9 @@ class Run:
         self.sample_rate = sample_rate
         self._objects: dict[str, HapticObject] = {}
         self._solids: list[tuple[HapticObject, Body]] = []
+        # Of all sources, then of all listeners: the rows of their objects, and their positions in
+        # the frames of these (n, 3).
+        self._anchors: tuple[IntArray, FloatArray] | None = None
         self._poses = np.zeros((0, 4, 4))  # of the objects, in their order
         self._set_objects(
             scene.objects,
@@ -324,9 +327,7 @@ class Run:
         ]
         self._bodies = tuple(body for _, body in self._solids)
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
-        # Of all sources, then of all listeners: the rows of their objects, and their positions in
-        # the frames of these (n, 3).
-        self._anchors: tuple[IntArray, FloatArray] | None = None
+        self._anchors = None
 
     def _checked_poses(self, poses: Mapping[str, Sequence[float]]) -> FloatArray:
         """Poses of objects as an array (n, 7), with unit quaternions."""
@@ -452,7 +453,7 @@ class Run:
     def _places_now(self) -> list[list[float]]:
         """The positions of all sources, then of all listeners, on their objects."""
         if self._anchors is None:
-            items = (*self._sources.values(), *self._listeners.values())
+            items: list[Source | Listener] = [*self._sources.values(), *self._listeners.values()]
             keys = [("source", name) for name in self._sources]
             keys += [("listener", name) for name in self._listeners]
             self._anchors = (
