@@ -28,10 +28,16 @@ class Difference:
 _kept: dict[int, Background[tuple[Difference, ...]]] = {}  # by session id of the scene
 
 
+def is_take(scene: Scene) -> bool:
+    """Whether the scene's bake is a take."""
+    bake = scene.haptics.bake
+    return any(take.track == bake.track for take in bake.takes)
+
+
 def keep(scene: Scene) -> None:
     """Store the scene's bake as a take, unless it is one already."""
     bake = scene.haptics.bake
-    if bake.track is not None and all(take.track != bake.track for take in bake.takes):
+    if bake.track is not None and not is_take(scene):
         take = bake.takes.add()
         names = {other.name for other in bake.takes}
         take.name = next(

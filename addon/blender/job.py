@@ -14,7 +14,7 @@ import bpy
 from bpy.types import Context, Header, Operator, WindowManager
 from bpy.types import Event as WindowEvent
 
-from .polling import permitted
+from .polling import Need
 from .text import wrapped
 from .words import said, told
 
@@ -146,16 +146,10 @@ class Job:
                 close()
 
 
-def running() -> Job | None:
-    """The job that runs in the window."""
-    return Job.in_window
-
-
-def poll_idle(cls: type[Operator]) -> bool:
-    """True if no job runs in the window."""
-    return permitted(
-        cls, Job.in_window is None, "Wait for the running job, or press Esc to cancel it"
-    )
+IDLE = Need(
+    lambda context: Job.in_window is None, "Wait for the running job, or press Esc to cancel it"
+)
+"""That no job runs in the window."""
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:

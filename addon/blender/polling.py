@@ -1,11 +1,11 @@
-"""Base classes and poll functions of operators."""
+"""Base classes of operators, and what these need to run."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, ClassVar, NamedTuple
 
-from bpy.types import Context, Object, Operator
+from bpy.types import Context, Object
 
 from .words import Told, told
 
@@ -46,33 +46,21 @@ def linked_message(objects: Sequence[Object]) -> str:
     )
 
 
-def permitted(cls: type[Operator], is_allowed: bool, message: str) -> bool:
-    """Whether an operator may run; if not, Blender shows the message."""
-    if not is_allowed:
-        cls.poll_message_set(message)
-    return is_allowed
+class Need(NamedTuple):
+    """What an operator needs to run; Blender shows the ``words`` where it is missing."""
+
+    is_met: Callable[[Context], object]
+    words: str
 
 
-def poll_object_mode(cls: type[Operator], context: Context) -> bool:
-    """Object Mode."""
-    return permitted(cls, context.mode == "OBJECT", "Switch to Object Mode first")
+Needs = tuple[Need, ...]
 
-
-def poll_selected(cls: type[Operator], context: Context) -> bool:
-    """Object Mode, and at least one selected object."""
-    return poll_object_mode(cls, context) and permitted(
-        cls, bool(context.selected_objects), "Select one or more objects first"
-    )
-
-
-def poll_active(cls: type[Operator], context: Context) -> bool:
-    """Object Mode, and an editable active object."""
-    obj: Any = context.object
-    if not poll_object_mode(cls, context) or not permitted(
-        cls, obj is not None, "Select an object first"
-    ):
-        return False
-    return permitted(cls, is_editable(obj), LINKED)
+OBJECT_MODE = Need(lambda context: context.mode == "OBJECT", "Switch to Object Mode first")
+SELECTED = Need(lambda context: context.selected_objects, "Select one or more objects first")
+ACTIVE = (
+    Need(lambda context: context.object, "Select an object first"),
+    Need(lambda context: is_editable(context.object), LINKED),
+)
 
 
 class Refused(Told):
@@ -85,12 +73,22 @@ class Action:
     value is passed to Blender."""
 
     bl_idname = ""
+    needs: ClassVar[Needs] = ()
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         prefix, _, name = cls.__name__.partition("_OT_")
         if name and "bl_idname" not in vars(cls):
             cls.bl_idname = f"{prefix.lower()}.{name}"
+
+    @classmethod
+    def poll(cls: Any, context: Context) -> bool:
+        """Whether everything is there that it needs."""
+        for need in cls.needs:
+            if not need.is_met(context):
+                cls.poll_message_set(need.words)
+                return False
+        return True
 
     def execute(self: Any, context: Context) -> set[str]:
         """Call ``apply`` and report its errors."""
@@ -113,16 +111,16 @@ class Edit(Action):
     """Mixin: an operator that edits the file, in Object Mode."""
 
     bl_options = UNDO
-    poll = classmethod(poll_object_mode)
+    needs: ClassVar[Needs] = (OBJECT_MODE,)
 
 
 class OnSelected(Edit):
     """Mixin: such an operator on the selected objects."""
 
-    poll = classmethod(poll_selected)
+    needs: ClassVar[Needs] = (OBJECT_MODE, SELECTED)
 
 
 class OnActive(Edit):
     """Mixin: such an operator on the active object."""
 
-    poll = classmethod(poll_active)
+    needs: ClassVar[Needs] = (OBJECT_MODE, *ACTIVE)

@@ -7,7 +7,7 @@ from bpy.types import Context, Operator
 
 from ..bake import baking, curves, sound, storage, takes
 from ..blender import job
-from ..blender.polling import UNDO, Action, Edit, permitted, poll_object_mode
+from ..blender.polling import UNDO, Action, Edit, Need
 from ..changes.redraw import redraw_viewports
 
 
@@ -16,12 +16,15 @@ class HAPTIC_OT_bake(Edit, Operator):
 
     bl_label = "Bake Haptics"
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return job.poll_idle(cls) and poll_object_mode(cls, context)
+    needs = (job.IDLE, *Edit.needs)
 
     def apply(self, context: Context) -> set[str]:
         return job.run(self, context, baking.bake_job(context.scene))
+
+
+def _is_baked(context: Context) -> bool:
+    bake = context.scene.haptics.bake
+    return bake.track is not None or bake.sound is not None
 
 
 class HAPTIC_OT_delete_bake(Edit, Operator):
@@ -29,13 +32,7 @@ class HAPTIC_OT_delete_bake(Edit, Operator):
 
     bl_label = "Delete Bake"
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        bake = context.scene.haptics.bake
-        is_baked = bake.track is not None or bake.sound is not None
-        return job.poll_idle(cls) and permitted(
-            cls, is_baked, "Nothing has been baked in this scene"
-        )
+    needs = (job.IDLE, Need(_is_baked, "Nothing has been baked in this scene"))
 
     def apply(self, context: Context) -> None:
         scene = context.scene
@@ -50,14 +47,13 @@ class HAPTIC_OT_keep_take(Edit, Operator):
 
     bl_label = "Keep as Take"
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        bake = context.scene.haptics.bake
-        if not permitted(cls, bake.track is not None, "Bake first: a take is a bake with a name"):
-            return False
-        return permitted(
-            cls, all(take.track != bake.track for take in bake.takes), "This bake is a take already"
-        )
+    needs = (
+        Need(
+            lambda context: context.scene.haptics.bake.track,
+            "Bake first: a take is a bake with a name",
+        ),
+        Need(lambda context: not takes.is_take(context.scene), "This bake is a take already"),
+    )
 
     def apply(self, context: Context) -> None:
         takes.keep(context.scene)

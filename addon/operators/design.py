@@ -18,12 +18,12 @@ from ..blender import job
 from ..blender.compatibility import animated_paths
 from ..blender.polling import (
     LINKED,
+    OBJECT_MODE,
     Action,
     Edit,
+    Need,
     Refused,
     is_editable,
-    permitted,
-    poll_object_mode,
 )
 from ..blender.words import Told, said, show, told
 from ..properties.kinds import limited, switch, text
@@ -351,23 +351,20 @@ def _change(traced: sessions.Traced, missing: dict[str, float], free: list[Any])
     return changed
 
 
+def _is_chosen(context: Context) -> bool:
+    """Whether everything is chosen that a fit needs."""
+    chosen = context.scene.haptics.materials.fit
+    names = "source_file", "listener_file", "source", "listener", "object"
+    return all(getattr(chosen, name) for name in names)
+
+
 class HAPTIC_OT_fit_material(Action, Operator):
     """Set the loss of a material, and the gain of a contact, so that the scene transmits vibration as two recordings show"""
 
     bl_label = "Fit Material"
     bl_options = {"REGISTER"}
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        chosen = context.scene.haptics.materials.fit
-        is_chosen = bool(
-            chosen.source_file
-            and chosen.listener_file
-            and chosen.source
-            and chosen.listener
-            and chosen.object
-        )
-        return permitted(cls, is_chosen, _CHOOSE) and poll_object_mode(cls, context)
+    needs = (Need(_is_chosen, _CHOOSE), OBJECT_MODE)
 
     def apply(self, context: Context) -> set[str]:
         scene = context.scene

@@ -12,11 +12,10 @@ from ..authoring import materials as library
 from ..blender.polling import (
     SOLID_TYPES,
     Edit,
+    Need,
     OnActive,
     OnSelected,
     editable,
-    permitted,
-    poll_object_mode,
 )
 from ..blender.progress import progress
 from ..blender.words import Told, show
@@ -55,13 +54,16 @@ BODY_ITEMS = (
 )
 
 
-def _poll_material(cls: type[Operator], context: Context) -> bool:
-    """Object Mode, and the library has an active material."""
-    library_of = context.scene.haptics.materials
-    is_active = 0 <= library_of.active < len(library_of.items)
-    return poll_object_mode(cls, context) and permitted(
-        cls, is_active, "Choose a material of the library first"
-    )
+def _has_active(context: Context) -> bool:
+    """Whether the library has an active material."""
+    materials = context.scene.haptics.materials
+    return 0 <= materials.active < len(materials.items)
+
+
+class _OnMaterial(Edit):
+    """Mixin: an operator on the active material of the library."""
+
+    needs = (*Edit.needs, Need(_has_active, "Choose a material of the library first"))
 
 
 class HAPTIC_OT_apply_material(OnSelected, Operator):
@@ -217,24 +219,20 @@ class HAPTIC_OT_new_material(OnActive, Operator):
         library.apply([obj], item)
 
 
-class HAPTIC_OT_copy_material(Edit, Operator):
+class HAPTIC_OT_copy_material(_OnMaterial, Operator):
     """Duplicate the active material of the library, without its objects"""
 
     bl_label = "Copy Material"
-
-    poll = classmethod(_poll_material)
 
     def apply(self, context: Context) -> None:
         materials = context.scene.haptics.materials
         library.copy(context.scene, materials.items[materials.active])
 
 
-class HAPTIC_OT_remove_material(Edit, Operator):
+class HAPTIC_OT_remove_material(_OnMaterial, Operator):
     """Remove the active material from the library; its objects keep their values"""
 
     bl_label = "Remove Material"
-
-    poll = classmethod(_poll_material)
 
     def apply(self, context: Context) -> None:
         materials = context.scene.haptics.materials

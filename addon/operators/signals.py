@@ -8,7 +8,7 @@ from typing import Any
 from bpy.types import Context, Event, Object, Operator
 
 from ..blender import job
-from ..blender.polling import OnActive, permitted
+from ..blender.polling import Need, OnActive
 from ..blender.words import told
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
@@ -19,18 +19,16 @@ _TIMES = (0.0, 100.0)
 """Range of the parts of an envelope [s]."""
 
 
+def _has_drawing(context: Context) -> bool:
+    obj: Any = context.object
+    tree = obj.haptics.source.drawing
+    return tree is not None and tree.is_editable
+
+
 class _OnDrawing(OnActive):
     """Mixin: an operator on the drawn signal of the active source."""
 
-    @classmethod
-    def poll(cls: Any, context: Context) -> bool:
-        obj = context.object
-        if obj is None or not super().poll(context):
-            return False
-        tree = obj.haptics.source.drawing
-        return permitted(
-            cls, tree is not None and tree.is_editable, "Draw a signal of this file first"
-        )
+    needs = (*OnActive.needs, Need(_has_drawing, "Draw a signal of this file first"))
 
 
 class HAPTIC_OT_draw_signal(OnActive, Operator):

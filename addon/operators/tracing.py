@@ -9,7 +9,7 @@ from bpy.app.translations import pgettext_tip as tip_
 from bpy.types import Context, Operator
 
 from ...core.scene.values import MODES
-from ..blender.polling import UNDO, Action, Edit, Refused, permitted, poll_object_mode
+from ..blender.polling import UNDO, Action, Edit, Need, Refused
 from ..changes.redraw import redraw_viewports
 from ..properties.kinds import choice, number, switch
 from ..scene_reader.problem import why_untraced
@@ -71,12 +71,12 @@ class HAPTIC_OT_copy_result(Action, Operator):
 
     bl_label = "Copy Result"
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        is_traced = sessions.shown(context.scene) is not None
-        return permitted(
-            cls, is_traced, "Nothing has been traced yet: play, or press Trace This Frame"
-        )
+    needs = (
+        Need(
+            lambda context: sessions.shown(context.scene),
+            "Nothing has been traced yet: play, or press Trace This Frame",
+        ),
+    )
 
     def apply(self, context: Context) -> None:
         context.window_manager.clipboard = table.as_text(context.scene)
@@ -127,14 +127,13 @@ class HAPTIC_OT_graph_to_geometry(Edit, Operator):
         "Labels", "Add names and amplitudes, and the legend where there is a camera", True
     )
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        is_traced = sessions.shown(context.scene) is not None or sessions.is_behind(context.scene)
-        return poll_object_mode(cls, context) and permitted(
-            cls,
-            is_traced,
+    needs = (
+        *Edit.needs,
+        Need(
+            lambda context: sessions.shown(context.scene) or sessions.is_behind(context.scene),
             "Nothing has been traced yet: tag objects, then play or change the frame",
-        )
+        ),
+    )
 
     def apply(self, context: Context) -> None:
         result = session.result_of(context.scene)

@@ -6,21 +6,18 @@ import bpy
 from bpy.types import Context, Operator
 
 from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
-from ..blender.polling import UNDO, Action, Refused, permitted
+from ..blender.polling import UNDO, Action, Need, Refused
 from ..live_output import outputs
 from ..vr import actions, controllers, recording
 
-
-def poll_session(cls: type[Operator], context: Context) -> bool:
-    """A VR session runs."""
-    return permitted(cls, actions.is_running(), "Start a VR session first")
+SESSION = Need(lambda context: actions.is_running(), "Start a VR session first")
 
 
 class HAPTIC_OT_vr_hands(Action, Operator):
     """Follow the VR controllers with two hands: the controllers play what these touch, instead of what the scene's listeners feel"""
 
     bl_label = "VR Hands"
-    poll = classmethod(poll_session)
+    needs = (SESSION,)
 
     def apply(self, context: Context) -> None:
         if THREADS_ENDANGER_SCRIPTS:
@@ -38,7 +35,7 @@ class HAPTIC_OT_record_hands(Action, Operator):
 
     bl_label = "Record Hands"
     bl_options = UNDO
-    poll = classmethod(poll_session)
+    needs = (SESSION,)
 
     def apply(self, context: Context) -> None:
         if controllers.hands() is None:

@@ -26,7 +26,7 @@ _BASES = (
 )
 _CALLS = {
     "poll_message_set",
-    "permitted",
+    "Need",
     "warn",
     "draw_pair",
     "draw_carrier",

@@ -21,12 +21,12 @@ def steps(window):
     yield from browse(window, "haptic_tracks", folder / "ride.hjif", format="hjif")
     window.save_picture("formats-tracks")
     yield from press_in_browser("RET")
-    yield from until(lambda: job.running() is not None and 0 < job.running().factor < 1)
+    yield from until(lambda: job.Job.in_window is not None and 0 < job.Job.in_window.factor < 1)
     window.seen["exports a piece at a time"] = True
     window.save_picture("formats-progress")
     window.point_at_view()
     yield from window.press("ESC")
-    yield from until(lambda: job.running() is None)
+    yield from until(lambda: job.Job.in_window is None)
     window.seen["cancelled without a trace"] = (
         not list(folder.iterdir()) and scene.frame_current == 40
     )
@@ -34,7 +34,7 @@ def steps(window):
     yield from browse(window, "haptic_tracks", folder / "ride.hjif", format="hjif")
     yield from press_in_browser("RET")
     yield from until((folder / "ride.hjif").is_file)
-    yield from until(lambda: job.running() is None)
+    yield from until(lambda: job.Job.in_window is None)
     window.seen["written"] = [path.name for path in folder.iterdir()] == [
         "ride.hjif"
     ] and scene.frame_current == 40
@@ -45,14 +45,14 @@ def steps(window):
     for _ in range(2):
         yield from browse(window, "haptic_tracks", folder / "poor.hla", format="hla")
         yield from press_in_browser("RET")
-        yield from until(lambda: job.running() is not None)
-        yield from until(lambda: job.running() is None or job.running().question)
+        yield from until(lambda: job.Job.in_window is not None)
+        yield from until(lambda: job.Job.in_window is None or job.Job.in_window.question)
     before = {path: path.stat().st_mtime_ns for path in folder.glob("*.hla")}
-    asked = job.running() is not None
+    asked = job.Job.in_window is not None
     yield 1.0
     window.save_picture("formats-replace")
     yield from window.press("ESC")
-    yield from until(lambda: job.running() is None)
+    yield from until(lambda: job.Job.in_window is None)
     window.seen["asked before a poor file replaces one"] = (
         asked and before == {path: path.stat().st_mtime_ns for path in before} != {}
     )
@@ -64,7 +64,7 @@ def steps(window):
     window.save_picture("formats-scene")
     yield from press_in_browser("RET")
     yield from until((folder / "bench.json").is_file)
-    yield from until(lambda: job.running() is None)
+    yield from until(lambda: job.Job.in_window is None)
     window.seen["scene and tracks"] = (folder / "bench.tracks.wav").is_file()
 
     bpy.context.window.scene = bpy.data.scenes.new("Imported")

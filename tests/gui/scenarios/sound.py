@@ -49,10 +49,12 @@ def steps(window):
     sound.filepath = write(folder / "long.wav", 600.0)
     yield 0.5
     yield from window.click_button("haptic.convert_sound")
-    yield from window.wait_until(lambda: job.running() is not None and job.running().done > 2, 60.0)
+    yield from window.wait_until(
+        lambda: job.Job.in_window is not None and job.Job.in_window.done > 2, 60.0
+    )
     yield from window.screenshot("sound-progress")
     yield from window.press("ESC")
-    yield from window.wait_until(lambda: job.running() is None)
+    yield from window.wait_until(lambda: job.Job.in_window is None)
     window.seen["cancelled, and what was there stays"] = sound.kept == kept
     yield from window.click_button("haptic.convert_sound")
     yield from window.wait_until(lambda: sound.kept != kept, 240.0)
