@@ -4,6 +4,7 @@ independent of the GPU."""
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import fields
 from enum import IntEnum
 from functools import partial
@@ -203,13 +204,14 @@ def render_data(
     graph = distance_only(result.graph) if settings.mode is Mode.SD else result.graph
     scale = AmplitudeScale.of_threshold(settings.threshold)
     spreading = _spread(result, graph, settings, options)
-    pairs = _shown_pairs(result, options)
+    pairs = np.outer(
+        _chosen(options.sources, result.sources), _chosen(options.listeners, result.listeners)
+    )
     on_graph = settings.mode in (Mode.HT, Mode.SD)
     tree = _tree_lines(graph, spreading, scale, UNSELECTED if options.listeners else 1.0)
     if kept is None:
-        paths = _path_lines(result, settings.mode, pairs, scale)
-    else:
-        paths = drawn_paths(kept, scale)
+        kept = connections(result, settings.mode, pairs).rows(result.graph)
+    paths = drawn_paths(kept, scale)
     return RenderData(
         tree=tree if options.show_intra and on_graph else NO_LINES,
         highlight=_highlight_lines(result, options)
@@ -233,16 +235,11 @@ def _spread(
     return nothing
 
 
-def _shown_pairs(result: FrameResult, options: Options) -> BoolArray:
-    """Pairs (s, l) whose paths are drawn: all, or those of the selected sources and listeners."""
-    wanted_sources = np.array(
-        [not options.sources or s.name in options.sources for s in result.sources], dtype=np.bool_
-    )
-    wanted_listeners = np.array(
-        [not options.listeners or li.name in options.listeners for li in result.listeners],
-        dtype=np.bool_,
-    )
-    return np.outer(wanted_sources, wanted_listeners)
+def _chosen(
+    names: frozenset[str], items: Sequence[Source] | Sequence[SourceNodes] | Sequence[Listener]
+) -> BoolArray:
+    """Whether each item (n,) is one of the selected ``names``; all are if none is selected."""
+    return np.array([not names or item.name in names for item in items], dtype=np.bool_)
 
 
 def _tree_lines(
@@ -264,14 +261,9 @@ def _tree_lines(
     )
 
 
-def _path_lines(result: FrameResult, mode: Mode, pairs: BoolArray, scale: AmplitudeScale) -> Lines:
-    """The best paths of the shown pairs, each connection once, as strong as its strongest use; weak
-    ones first."""
-    return drawn_paths(connections(result, mode, pairs).rows(result.graph), scale)
-
-
 def drawn_paths(paths: FloatArray, scale: AmplitudeScale) -> Lines:
-    """The `Connections.rows` of paths as lines."""
+    """The `Connections.rows` of paths as lines, each connection once, as strong as its strongest
+    use; weak ones first."""
     amplitude = paths[:, 6:8]
     return lines_of(
         paths[:, :6].reshape(-1, 2, 3),
@@ -365,11 +357,8 @@ def _contact_points(
 
 def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Options) -> Lines:
     amplitude = listener_amplitudes(result, options)
-    unselected = np.array(
-        [bool(options.listeners) and li.name not in options.listeners for li in result.listeners],
-        dtype=np.bool_,
-    )
-    opacity = np.where(unselected, UNSELECTED, np.where(amplitude > 0, 1.0, SILENT))
+    chosen = _chosen(options.listeners, result.listeners)
+    opacity = np.where(chosen, np.where(amplitude > 0, 1.0, SILENT), UNSELECTED)
     position = result.graph.node_position[result.graph.listener_nodes]
     return points_of(
         position,
@@ -390,16 +379,13 @@ def _source_points(result: FrameResult, options: Options) -> Lines:
         places.extend((source, position) for position in (at if parted else at[:1]))
     impact = np.array([source.kind is SourceKind.TEMPORARY for source, _ in places], dtype=np.bool_)
     silent = np.array([source.amplitude <= 0 for source, _ in places], dtype=np.bool_)
-    unselected = np.array(
-        [bool(options.sources) and source.name not in options.sources for source, _ in places],
-        dtype=np.bool_,
-    )
+    chosen = _chosen(options.sources, [source for source, _ in places])
     return points_of(
         np.array([position for _, position in places]).reshape(-1, 3),
         np.where(
             silent[:, None], SILENT_COLOUR, np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)
         ),
-        np.where(unselected, UNSELECTED, np.where(silent, SILENT, 1.0)),
+        np.where(chosen, np.where(silent, SILENT, 1.0), UNSELECTED),
         np.where(impact, POINT_SIZE[Symbol.IMPACT], POINT_SIZE[Symbol.SOURCE]),
         np.where(impact, Symbol.IMPACT, Symbol.SOURCE),
     )
@@ -407,12 +393,8 @@ def _source_points(result: FrameResult, options: Options) -> Lines:
 
 def listener_amplitudes(result: FrameResult, options: Options) -> FloatArray:
     """Largest amplitude (l,) that arrives at each listener from any shown source."""
-    wanted = [
-        k
-        for k, source in enumerate(result.sources)
-        if not options.sources or source.name in options.sources
-    ]
-    return np.asarray(result.amplitudes[wanted].max(axis=0, initial=0.0))
+    shown = _chosen(options.sources, result.sources)
+    return np.asarray(result.amplitudes[shown].max(axis=0, initial=0.0))
 
 
 def _amplitude_colour(scale: AmplitudeScale, amplitude: FloatArray) -> FloatArray:
