@@ -4,16 +4,15 @@ the right side on the right."""
 from __future__ import annotations
 
 import tempfile
-import wave
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
 from bpy.types import Scene
-from numpy.typing import NDArray
 
-from ...core.arrays import FloatArray
+from ...core.formats.tracks.listener_tracks import CHUNK, ListenerTrack, Tracks
+from ...core.formats.tracks.wav import write_wav
 from ...core.render.waves import FULL_SCALE
 from ...core.scene.body import stereo_gains
 from ..blender import compatibility
@@ -21,7 +20,6 @@ from .track import HapticTrack
 
 NAME = "Haptics"
 _HEADROOM = 0.9
-_CHUNK = 1 << 18
 
 
 def add_strip(scene: Scene, track: HapticTrack) -> Any:
@@ -77,25 +75,14 @@ def write_stereo(track: HapticTrack, path: Path) -> None:
     sides = np.array(
         [stereo_gains(item.body_part) for item in track.listeners], dtype=np.float64
     ).reshape(-1, 2)
-    weights = sides / np.sqrt(np.maximum((sides**2).sum(axis=0), 1.0))
-    pieces = [
-        _mixed(track.samples[:, first : first + _CHUNK], weights)
-        for first in range(0, max(track.samples.shape[1], 1), _CHUNK)
-    ]
-    peak = max((float(np.abs(piece).max(initial=0.0)) for piece in pieces), default=0.0)
-    factor = _HEADROOM * FULL_SCALE / max(peak, 1e-9) if peak > _HEADROOM else float(FULL_SCALE)
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(2)
-        file.setsampwidth(2)
-        file.setframerate(track.sample_rate)
-        for piece in pieces:
-            file.writeframes(np.rint(piece * factor).astype("<i2").tobytes())
-        if not track.samples.shape[1]:
-            file.writeframes(bytes(4))
-
-
-def _mixed(samples: NDArray[np.int16], weights: FloatArray) -> NDArray[np.float32]:
-    return np.asarray((samples.T / FULL_SCALE) @ weights, dtype=np.float32)
+    weights = sides / np.sqrt(np.maximum((sides**2).sum(axis=0), 1.0)) / FULL_SCALE
+    mix = np.zeros((2, max(track.samples.shape[1], 1)), dtype=np.float32)
+    for first in range(0, track.samples.shape[1], CHUNK):
+        piece = track.samples[:, first : first + CHUNK]
+        mix[:, first : first + CHUNK] = np.einsum("lc,ln->cn", weights, piece)
+    mix *= _HEADROOM / max(float(np.abs(mix).max()), _HEADROOM)
+    channels = ListenerTrack("left"), ListenerTrack("right")
+    write_wav(Tracks(channels, track.sample_rate, mix), path)
 
 
 def _free_channel(strips: Any, track: HapticTrack) -> int:

@@ -209,15 +209,7 @@ def _add_label(collection: Collection, label: Label, unit: float) -> None:
 def solid_mesh(name: str, solid: Solid) -> Mesh:
     """A mesh of triangles with the colours as an attribute."""
     mesh = bpy.data.meshes.new(name)
-    count = len(solid.triangles)
-    mesh.vertices.add(len(solid.vertices))
-    mesh.loops.add(3 * count)
-    mesh.polygons.add(count)
-    mesh.vertices.foreach_set("co", solid.vertices.astype(np.float32).reshape(-1))
-    mesh.loops.foreach_set("vertex_index", solid.triangles.astype(np.int32).reshape(-1))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    mesh.shade_smooth()
+    mesh.from_pydata(solid.vertices.tolist(), [], solid.triangles.tolist(), shade_flat=False)
     colours = mesh.color_attributes.new(COLOUR_ATTRIBUTE, "FLOAT_COLOR", "POINT")
     values = np.column_stack([linear(solid.colours[:, :3]), solid.colours[:, 3]])
     colours.data.foreach_set("color", values.astype(np.float32).reshape(-1))
