@@ -51,20 +51,18 @@ def preset_in(scene: Scene, material: Material) -> HapticMaterial:
     )
 
 
-def apply(objects: Sequence[Object], item: HapticMaterial) -> None:
+def apply(
+    objects: Sequence[Object], item: HapticMaterial, depsgraph: Depsgraph | None = None
+) -> None:
     """Assign a material to objects: they take its values, now and when it changes; physical ones
-    also the damping of a preset."""
-    physical = _physical_ones(objects)
+    also the damping of a preset, by the sizes in a ``depsgraph`` that was evaluated before: after
+    each change the next evaluation would trace the scene."""
+    physical = [obj for obj in objects if obj.haptics.function == "physical"]
     # Callers may assign to one object after the other: evaluate the scene only where it is needed.
-    depsgraph = bpy.context.evaluated_depsgraph_get() if physical else None
-    _assign(objects, item)
-    if depsgraph is not None:
-        _make_physical(physical, depsgraph)
-
-
-def _assign(objects: Sequence[Object], item: HapticMaterial) -> None:
-    name = item.name
+    if physical and depsgraph is None:
+        depsgraph = bpy.context.evaluated_depsgraph_get()
     values = values_of(item)
+    name = item.name
     for obj in progress(objects):
         materials.write_values(obj, values)
         if obj.haptics.material.name != name:
@@ -76,10 +74,7 @@ def _assign(objects: Sequence[Object], item: HapticMaterial) -> None:
             ):
                 obj.haptics.wave = "bounded"  # or the next material would stay a half-space
             obj.haptics.material.name = name
-
-
-def _physical_ones(objects: Iterable[Object]) -> list[Object]:
-    return [obj for obj in objects if obj.haptics.function == "physical"]
+    make_physical(physical, depsgraph=depsgraph)
 
 
 def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None:
@@ -99,7 +94,7 @@ def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None
     _apply_presets(scene, made_of, depsgraph)
     if is_physical:
         new = [obj for obj in made_of if not obj.haptics.is_property_set("function")]
-        _make_physical(new, depsgraph)
+        make_physical(new, depsgraph=depsgraph)
         for obj in new:
             if preset_of(obj) is None:
                 _damp(obj, MATERIALS["plastic"], depsgraph)
@@ -118,24 +113,16 @@ def preset_of(obj: Object) -> Material | None:
     return next((material for material in MATERIALS.values() if material.title == title), None)
 
 
-def make_physical(objects: Iterable[Object], in_a_building: bool = False) -> int:
-    """Give objects made of a preset the measured physical function; half-spaces stay such. Returns
-    their number."""
-    return _make_physical(objects, bpy.context.evaluated_depsgraph_get(), in_a_building)
-
-
-def _make_physical(
-    objects: Iterable[Object], depsgraph: Depsgraph, in_a_building: bool = False
+def make_physical(
+    objects: Iterable[Object], in_a_building: bool = False, depsgraph: Depsgraph | None = None
 ) -> int:
-    """`make_physical` with the sizes in a dependency graph that was evaluated before: after each
-    change the next evaluation would trace the scene."""
-    known = 0
-    for obj in objects:
-        material = preset_of(obj)
-        if material is not None:
-            known += 1
-            _damp(obj, material, depsgraph, in_a_building)
-    return known
+    """Give objects made of a preset the measured physical function, by their sizes in ``depsgraph``
+    or as they are now; half-spaces stay such. Returns their number."""
+    presets = {obj: material for obj in objects if (material := preset_of(obj)) is not None}
+    for obj, material in presets.items():
+        depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
+        _damp(obj, material, depsgraph, in_a_building)
+    return len(presets)
 
 
 def _damp(
@@ -317,5 +304,4 @@ def _apply_presets(
     for material in dict.fromkeys(made_of.values()):
         if material is not None:
             objects = [obj for obj, own in made_of.items() if own is material]
-            _assign(objects, preset_in(scene, material))
-            _make_physical(_physical_ones(objects), depsgraph)
+            apply(objects, preset_in(scene, material), depsgraph)

@@ -117,65 +117,38 @@ def _refresh_panels(context: Context) -> None:
 
 
 def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
-    region = context.region
-    scale = pixels_per_point(context)
-    key = spots, *_key(context, scene, scale)
+    """Draw the meters in their corner of the viewport, made again if anything has changed that they
+    depend on."""
+    region, chosen, scale = context.region, scene.haptics.meters, pixels_per_point(context)
+    corner: str = chosen.corner
+    width, margin = _SHARE_ACROSS * region.width, _MARGIN * scale
+    room = corner_room(context, corner, width, scale, margin)
+    traced, levels = sessions.shown(scene), levels_of(scene)
+    is_late = sessions.is_behind(scene) and not is_playing()
+    title = said("Tracing..." if is_late else MODES[Mode(scene.haptics.mode)][0])
+    key = (
+        (traced and traced.serial, levels, spots, room, scale, corner, title, watched(scene)),
+        (chosen.show_scope, chosen.show_body, bpy.app.translations.locale),
+    )
     known, batch, _ = _shown.get(region.as_pointer(), _NOTHING)
     if known != key:
-        hud = _placed_meters(context, scene, scale, spots)
+        free = free_rectangle(context)
+        size = room[2] - room[0], min(room[3] - room[1], _SHARE_UP * (free[3] - free[1]))
+        body = chosen.show_body
+        hud = meter_hud(levels, scope_of(scene), size, scale, title, body=body, spots=spots)
+        hud = _in_corner(hud, corner, room)
         batch = uploaded(hud)
         _shown[region.as_pointer()] = key, batch, hud.bounds
     draw_flat(batch, (region.width, region.height), scale)
 
 
-def _key(context: Context, scene: Scene, scale: float) -> tuple[Any, ...]:
-    """The values that the meters of a view depend on."""
-    traced = sessions.shown(scene)
-    chosen = scene.haptics.meters
-    choices = (
-        chosen.corner,
-        chosen.show_scope,
-        chosen.show_body,
-        watched(scene),
-        _title(scene),
-        bpy.app.translations.locale,
-    )
-    return traced and traced.serial, levels_of(scene), _room(context, scene, scale), scale, choices
-
-
-def _title(scene: Scene) -> str:
-    is_late = sessions.is_behind(scene) and not is_playing()
-    return said("Tracing..." if is_late else MODES[Mode(scene.haptics.mode)][0])
-
-
-def _room(context: Context, scene: Scene, scale: float) -> Rectangle:
-    margin = _MARGIN * scale
-    return corner_room(
-        context, scene.haptics.meters.corner, _SHARE_ACROSS * context.region.width, scale, margin
-    )
-
-
-def _placed_meters(context: Context, scene: Scene, scale: float, spots: Sequence[Spot]) -> Hud:
-    """The meters in their corner of the viewport."""
-    left, bottom, right, top = _room(context, scene, scale)
-    free = free_rectangle(context)
-    chosen = scene.haptics.meters
-    room = right - left, min(top - bottom, _SHARE_UP * (free[3] - free[1]))
-    words = _title(scene)
-    hud = meter_hud(
-        levels_of(scene),
-        scope_of(scene),
-        room,
-        scale,
-        words,
-        body=chosen.show_body,
-        spots=spots,
-    )
+def _in_corner(hud: Hud, corner: str, room: Rectangle) -> Hud:
+    """The meters moved to a corner of the room."""
+    left, bottom, right, top = room
     width, height = (max((bounds[k] for bounds in hud.bounds), default=0.0) for k in (2, 3))
-    vertical, horizontal = chosen.corner.split("_")
     return hud.moved(
-        round(left if horizontal == "LEFT" else right - width),
-        round(bottom if vertical == "BOTTOM" else top - height),
+        round(left if corner.endswith("LEFT") else right - width),
+        round(bottom if corner.startswith("BOTTOM") else top - height),
     )
 
 
