@@ -2,8 +2,10 @@
 manual."""
 
 import importlib.util
+import io
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -45,6 +47,30 @@ def program(*arguments, given=b"", folder=None):
 
 
 @pytest.fixture
+def piped(monkeypatch):
+    """Calls the program in this process, as it takes a second to start another one: exit code,
+    what it wrote to stdout and to stderr."""
+
+    def call(*arguments, given=b"", folder=None):
+        streams = {name: io.TextIOWrapper(io.BytesIO(), "utf-8") for name in ("stdout", "stderr")}
+        streams["stdin"] = io.TextIOWrapper(io.BytesIO(given), "utf-8")
+        before = signal.getsignal(signal.SIGTERM)
+        with monkeypatch.context() as patch:
+            if folder is not None:
+                patch.chdir(folder)
+            for name, stream in streams.items():
+                patch.setattr(sys, name, stream)
+            code = main([str(argument) for argument in arguments])
+            for name in ("stdout", "stderr"):
+                streams[name].flush()
+        signal.signal(signal.SIGTERM, before)
+        out, err = (streams[name].buffer.getvalue() for name in ("stdout", "stderr"))
+        return code, out, err.decode()
+
+    return call
+
+
+@pytest.fixture
 def scene(tmp_path):
     (tmp_path / "bench.json").write_text(json.dumps(SCENE))
     return tmp_path / "bench.json"
@@ -58,8 +84,8 @@ def sound(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["propagate", "contacts"])
-def test_a_scene_comes_from_standard_input(scene, name):
-    by_name, by_pipe = program(name, scene), program(name, "-", given=scene.read_bytes())
+def test_a_scene_comes_from_standard_input(scene, piped, name):
+    by_name, by_pipe = piped(name, scene), piped(name, "-", given=scene.read_bytes())
     assert by_name[0] == by_pipe[0] == 0
 
     def result(text):
@@ -70,17 +96,17 @@ def test_a_scene_comes_from_standard_input(scene, name):
     assert result(by_name[1]) == result(by_pipe[1])
 
 
-def test_a_fault_in_standard_input_is_said_to_be_there():
-    code, out, err = program("propagate", "-", given=b'{"format": "haptic-scene"')
+def test_a_fault_in_standard_input_is_said_to_be_there(piped):
+    code, out, err = piped("propagate", "-", given=b'{"format": "haptic-scene"')
     assert (code, out) == (2, b"") and err.startswith("standard input: not JSON")
     assert "tmp" not in err and err.count("\n") == 1
 
 
 @pytest.mark.parametrize("arguments", [["propagate", "-"], ["export", "-", "--to", "wav"]])
-def test_sentences_call_it_standard_input(arguments, tmp_path):
+def test_sentences_call_it_standard_input(arguments, piped, tmp_path):
     """A listener that nothing reaches: why is said on stderr, with the name of the scene first."""
     given = json.dumps({**SCENE, "contacts": []}).encode()
-    code, _, err = program(*arguments, given=given, folder=tmp_path)
+    code, _, err = piped(*arguments, given=given, folder=tmp_path)
     lines = err.splitlines()
     assert code == 0 and any("'seat' feels nothing" in line for line in lines)
     assert all(line.startswith("standard input: ") and "tmp" not in line for line in lines)
@@ -112,25 +138,25 @@ def test_nothing_of_a_pipe_is_left_when_it_is_ended(scene, tmp_path):
     assert child.returncode == 143 and not left
 
 
-def test_a_pipe_of_three_programs_is_what_files_give(scene, tmp_path):
+def test_a_pipe_of_three_programs_is_what_files_give(scene, piped, tmp_path):
     exported = ("--to", "wav", "--seconds", "0.5", "--option", "wav.encoding=float32")
-    assert program("export", scene, *exported, "--out", tmp_path)[0] == 0
+    assert piped("export", scene, *exported, "--out", tmp_path)[0] == 0
     code, wave, _ = program("export", "-", *exported, "--out", "-", given=scene.read_bytes())
     assert code == 0 and wave == (tmp_path / "bench.wav").read_bytes()
     code, text, _ = program("convert", "-", "-", "--from", "wav", "--to", "csv", given=wave)
-    assert program("convert", tmp_path / "bench.wav", tmp_path / "bench.csv")[0] == 0
+    assert piped("convert", tmp_path / "bench.wav", tmp_path / "bench.csv")[0] == 0
     (head, *rows), expected = text.splitlines(), (tmp_path / "bench.csv").read_bytes()
     assert code == 0 and rows == expected.splitlines()[1:]
     assert head == b"time,standard input"  # the name of the track is in a file beside the wave
 
 
-def test_several_files_do_not_fit_into_one_pipe(scene):
-    code, out, err = program("export", scene, "--to", "wav,csv", "--out", "-", "--seconds", "0.1")
+def test_several_files_do_not_fit_into_one_pipe(scene, piped):
+    code, out, err = piped("export", scene, "--to", "wav,csv", "--out", "-", "--seconds", "0.1")
     assert (code, out) == (2, b"") and "name a folder" in err
 
 
-def test_a_pipe_needs_a_format(sound):
-    code, _, err = program("convert", "-", "out.csv", given=sound.read_bytes())
+def test_a_pipe_needs_a_format(sound, piped):
+    code, _, err = piped("convert", "-", "out.csv", given=sound.read_bytes())
     assert code == 2 and "--from" in err
 
 
@@ -142,22 +168,23 @@ def test_a_pipe_needs_a_format(sound):
         ([], None, "standard input: say its format by --from"),
     ],
 )
-def test_what_is_played_comes_from_a_pipe(sound, arguments, given, message):
+def test_what_is_played_comes_from_a_pipe(sound, piped, arguments, given, message):
     """It is read before a device is looked for."""
     given = sound.read_bytes() if given is None else given
-    code, out, err = program("play", "-", "--device", "no such pad", *arguments, given=given)
+    code, out, err = piped("play", "-", "--device", "no such pad", *arguments, given=given)
     assert (code, out) == (2, b"") and message in err and err.count("\n") == 1
 
 
-def test_a_sound_becomes_a_signal_in_a_pipe(sound, tmp_path):
-    code, text, _ = program("sound", "-", "--output", "-", given=sound.read_bytes())
-    assert program("sound", sound, "--output", tmp_path / "signal.json")[0] == 0
+def test_a_sound_becomes_a_signal_in_a_pipe(sound, piped, tmp_path):
+    code, text, _ = piped("sound", "-", "--output", "-", given=sound.read_bytes())
+    assert piped("sound", sound, "--output", tmp_path / "signal.json")[0] == 0
     assert code == 0
     assert json.loads(text) == json.loads((tmp_path / "signal.json").read_text())
 
 
 @pytest.mark.parametrize("name", ["sound", "devices", "validate", "export", "propagate", "sample"])
-def test_with_json_stdout_is_one_object(name, scene, sound, tmp_path):
+def test_with_json_stdout_is_one_object(name, scene, sound, piped, tmp_path):
+    """Blender's own lines would be beside it in a process alone."""
     arguments = {
         "sound": [sound, "--output", tmp_path / "signal.json"],
         "devices": ["encode", "dualsense", "--left", "0.5"],
@@ -165,12 +192,13 @@ def test_with_json_stdout_is_one_object(name, scene, sound, tmp_path):
         "propagate": [scene],
         "sample": ["rails", "--output", tmp_path / "rails.blend", "--no-bake"],
     }.get(name, [])
-    code, out, err = program(name, *arguments, "--json", folder=tmp_path)
+    call = program if name == "sample" else piped
+    code, out, err = call(name, *arguments, "--json", folder=tmp_path)
     assert code == 0 and isinstance(json.loads(out), dict), err
 
 
 @pytest.mark.slow
-def test_blenders_own_lines_are_not_in_the_result(registered, tmp_path):
+def test_blenders_own_lines_are_not_in_the_result(command, tmp_path, capsys):
     """Blender prints on the process' stdout, also while a file is opened and a bake is played."""
     import bpy
     from haptic_tracing.sample_scenes import build_sample
@@ -189,10 +217,11 @@ def test_blenders_own_lines_are_not_in_the_result(registered, tmp_path):
     )
     assert code == 0, err
     assert all(line.startswith((b"wrote ", b"not in ")) for line in out.splitlines()), out
-    code, out, err = program(
-        *("bake", tmp_path / "hammer.blend", "--frames", "1:10", "--json", "--out", tmp_path)
-    )
-    (bake,) = json.loads(out)["bakes"]  # hammer.wav, and hammer.wav.json, which describes it
+    capsys.readouterr()
+    command("bake", tmp_path / "hammer.blend", "--frames", "1:10", "--json", "--out", tmp_path)
+    (bake,) = json.loads(capsys.readouterr().out)[
+        "bakes"
+    ]  # hammer.wav, and hammer.wav.json, which describes it
     assert bake["files"][0] == str(tmp_path / "hammer.wav")
 
 

@@ -66,7 +66,6 @@ def kill_one_worker(process, results):
     raise AssertionError("no worker has a task")
 
 
-@pytest.mark.slow
 def vibration_level(samples, rate):
     """The level of samples without the mean of at least a quarter of a second, into which shorter
     ones are placed in silence."""
@@ -74,6 +73,7 @@ def vibration_level(samples, rate):
     return 10 * math.log10(np.sum((padded - padded.mean()) ** 2) / len(samples))
 
 
+@pytest.mark.slow
 def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(
     scene, folder, command, tmp_path, capsys
 ):

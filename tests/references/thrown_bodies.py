@@ -50,13 +50,12 @@ def thrown(number: int) -> Thrown:
     inertia = mass * ((corners**2).mean() * 3 * np.eye(3) - corners.T @ corners / len(corners))
     if isinstance(shape, Box):
         inertia = inertia / 3  # of a solid box: a third of that of its eight corners
-    momentum = turn @ inertia @ turn.T @ spin
+    momentum, within = turn @ inertia @ turn.T @ spin, np.linalg.inv(inertia)
     poses, first = [], None
     while first is None or len(poses) < (first[0] + 0.1) * RATE:
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = turn, centre
         poses.append(pose)
-        within = np.linalg.inv(inertia)
         half = _turned(turn @ within @ turn.T @ momentum * (_STEP / 2)) @ turn
         spin = half @ within @ half.T @ momentum
         time = _meeting(corners, centre, velocity, turn, spin)
@@ -137,22 +136,20 @@ def _struck(
     inverse of the inertia."""
     touching = arms[(arms + centre)[:, 2] < 1e-4]
     goals = -restitution * np.minimum((velocity + np.cross(spin, touching))[:, 2], 0.0)
+    levers = np.cross(touching[:, None], np.eye(3))  # (corners, axes, 3)
+    turning = levers @ within
+    along = 1 / (1 / mass + (levers * turning).sum(axis=2))
     impulses = np.zeros((len(touching), 3))
+    velocity = velocity.copy()
     for _ in range(20):
-        for arm, goal, impulse in zip(touching, goals, impulses, strict=True):
+        for k, (goal, impulse) in enumerate(zip(goals, impulses, strict=True)):
             for axis in (2, 0, 1):
-                lever = np.cross(arm, np.eye(3)[axis])
-                now = (velocity + np.cross(spin, arm))[axis]
-                wish = impulse[axis] + ((goal if axis == 2 else 0.0) - now) / (
-                    1 / mass + lever @ within @ lever
-                )
+                now = velocity[axis] + levers[k, axis] @ spin
+                wish = impulse[axis] + ((goal if axis == 2 else 0.0) - now) * along[k, axis]
                 most = _FRICTION * impulse[2]
-                added = (max(wish, 0.0) if axis == 2 else np.clip(wish, -most, most)) - impulse[
-                    axis
-                ]
+                bounded = max(wish, 0.0) if axis == 2 else min(max(wish, -most), most)
+                added = bounded - impulse[axis]
                 impulse[axis] += added
-                velocity, spin = (
-                    velocity + np.eye(3)[axis] * (added / mass),
-                    spin + within @ lever * added,
-                )
+                velocity[axis] += added / mass
+                spin = spin + turning[k, axis] * added
     return velocity, spin

@@ -126,7 +126,9 @@ def test_lazy_tracing_gives_the_same(settings, special, seed, paths):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(0, 200, 25))
+@pytest.mark.parametrize(
+    "first", [0, *(pytest.param(k, marks=pytest.mark.more) for k in range(25, 200, 25))]
+)
 def test_lazy_tracing_gives_the_same_in_200_scenes(first):
     found = [
         compared(frames(seed, 24, Settings(), rows=4), paths=seed % 2 == 1)

@@ -8,6 +8,7 @@ import importlib.util
 import itertools
 import sys
 import weakref
+from functools import cache
 from pathlib import Path
 
 import fcl
@@ -31,10 +32,16 @@ def poses_12(matrix):
     return np.concatenate([matrix[:3, :3].reshape(9, 1), matrix[:3, 3:]])
 
 
+@cache
+def phase(first, second):
+    """That of two shapes, whose trees are built once."""
+    return NarrowPhase([first, second])
+
+
 def query(first, second, a, b, limit=TOLERANCE):
     """Distance, normal, centre and area of the contact of two shapes in these poses (4, 4), in the
     world."""
-    found = NarrowPhase([first, second]).query(
+    found = phase(first, second).query(
         np.array([[0, 1]]), *relative_pose(poses_12(a), poses_12(b)), np.array([limit])
     )
     return (
@@ -142,6 +149,7 @@ def test_contacts_are_those_of_all_triangles(name_a, name_b, solid):
     assert apart + crossing + inside >= 3
 
 
+@pytest.mark.slow
 def test_a_large_surface_in_parts_is_as_near_as_in_one_piece():
     """Of 40,000 triangles against one tree of all of them, and against a cylinder by closed form."""
     points, triangles = reference.box((0.3, 0.24, 0.2), 58)
@@ -262,6 +270,7 @@ def test_what_is_inside_touches_down_to_a_depth(parts, room, small, swapped):
             np.testing.assert_allclose(centre, [0.3, 0.2, 1 - beneath / 2], atol=0.021)
 
 
+GROUND = Mesh(*reference.box((2.0, 2.0, 1.4), 3), sunk_in=SUNK_IN)
 SINKING = {
     **{
         name: Mesh(*reference.SOLIDS[name], sunk_in=SUNK_IN)
@@ -281,7 +290,7 @@ def test_a_body_sinks_wholly_into_a_solid(name, swapped):
     """From the air to where it touches no more: its distance changes by no more than it moves, and
     the patch doesn't jump, wherever the surfaces begin and cease to cross: where it moves far in a
     step, it moves less in smaller steps."""
-    ground, body = Mesh(*reference.box((2.0, 2.0, 1.4), 3), sunk_in=SUNK_IN), SINKING[name]
+    ground, body = GROUND, SINKING[name]
     corners = np.array(list(itertools.product(*np.transpose(body.local_bounds))))
     turn = rotation(np.random.default_rng(7))
     heights, step = (corners @ turn.T)[:, 2], 0.01
