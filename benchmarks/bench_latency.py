@@ -27,7 +27,7 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.blender.time import frame_seconds
 from haptic_tracing.addon.live_output import handlers, outputs, player
-from haptic_tracing.core.devices.guard import DeviceOutput, GuardedOutput
+from haptic_tracing.core.devices.guard import DeviceOutput
 from haptic_tracing.core.devices.inventory import Found, Inventory
 from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.sample_scenes import build_sample
@@ -93,7 +93,7 @@ def measure(bodies: int, haptic: bool, device: str, frames: int) -> dict[str, np
             handlers.frame_comes,
             player.play,
             player.play_ahead,
-            GuardedOutput.send,
+            DeviceOutput.send,
         )
 
         def timed_comes(*arguments: Any) -> None:
@@ -110,7 +110,7 @@ def measure(bodies: int, haptic: bool, device: str, frames: int) -> dict[str, np
             if len(sent) > count:
                 played.append(begun)
 
-        def timed_send(self: GuardedOutput, block: Any, when: float | None = None) -> float:
+        def timed_send(self: DeviceOutput, block: Any, when: float | None = None) -> float:
             if threading.current_thread() is not threading.main_thread():
                 return real_send(self, block, when)  # a correction, of which no picture waits
             handed.append(clock())
@@ -120,7 +120,7 @@ def measure(bodies: int, haptic: bool, device: str, frames: int) -> dict[str, np
         with (
             mock.patch.object(handlers, "frame_comes", timed_comes),
             mock.patch.multiple(player, play=timed_play, play_ahead=timed_ahead),
-            mock.patch.object(GuardedOutput, "send", timed_send),
+            mock.patch.object(DeviceOutput, "send", timed_send),
         ):
             try:
                 own = play(scene, frames, (entered, played, handed, sent))

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ...core.arrays import FloatArray
 from ...core.devices import guard, loopback
-from ...core.devices.guard import GuardedOutput
+from ...core.devices.guard import DeviceOutput
 from ...core.devices.inventory import Found, Inventory, look
 from ...core.devices.mapping import ActuatedDevice
 from ...core.devices.profiles import Adjustment, Calibration
@@ -27,7 +27,7 @@ class _DevicesState:
     inventory: Inventory | None = None
     offered: Found | None = None
     finder: threading.Thread | None = None
-    running: dict[str, GuardedOutput] = field(default_factory=dict)
+    running: dict[str, DeviceOutput] = field(default_factory=dict)
     driven: dict[str, Found] = field(default_factory=dict)
     version: int = 0
     renderer: ThreadPoolExecutor | None = None
@@ -88,7 +88,7 @@ def wait_until_found(timeout: float = 5.0) -> None:
         _state.finder.join(timeout)
 
 
-def running() -> dict[str, GuardedOutput]:
+def running() -> dict[str, DeviceOutput]:
     """The driven devices by key."""
     return _state.running
 
@@ -166,7 +166,7 @@ def expect(render: Callable[[], Mapping[str, FloatArray]], sent: Mapping[str, fl
 def _expect(
     render: Callable[[], Mapping[str, FloatArray]],
     sent: Mapping[str, float],
-    running: Mapping[str, GuardedOutput],
+    running: Mapping[str, DeviceOutput],
 ) -> None:
     begun = time.monotonic()
     for key, ahead in render().items():

@@ -57,7 +57,7 @@ def end() -> None:
 
 
 def _open(adjustment: Adjustment) -> Any:
-    """The controllers, which are used like a `GuardedOutput`."""
+    """The controllers, which are used like a `DeviceOutput`."""
     _state.output = VrControllers(adjustment, stopping=call)
     _state.output.hands = _state.hands is not None
     return _state.output

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 
 from ...core.arrays import FloatArray
-from ...core.devices.guard import GuardedOutput
+from ...core.devices.guard import DeviceOutput
 from ...core.devices.inventory import look
 from ...core.devices.mapping import ListenerMapping, map_listeners
 from ...core.devices.profiles import Adjustment, Profile
@@ -27,7 +27,7 @@ class DeviceStage:
     the last block; those that are lost meanwhile are named on stderr, and play again when they are
     back."""
 
-    def __init__(self, outputs: dict[str, GuardedOutput]) -> None:
+    def __init__(self, outputs: dict[str, DeviceOutput]) -> None:
         self.outputs = outputs
         self.latency = max(
             (

@@ -34,7 +34,7 @@ from .guard_process import ANSWER, HEARTBEAT, packed, started_threads
 from .liveness import is_ready
 from .mapping import ActuatedDevice
 from .profiles import Adjustment, Profile, check_adjustment
-from .sound_card import SoundCard, SoundCardWriter
+from .sound_card import SoundCardWriter
 from .status import UNREACHED, Output, Status, stop_together
 from .writer import DeviceWriter
 
@@ -107,7 +107,7 @@ def start_process(by_launcher: bool = sys.platform == "win32") -> subprocess.Pop
 class Guard:
     """A guard process, the orders to be written to it, and the last status of each output."""
 
-    def __init__(self, output: GuardedOutput, name: str) -> None:
+    def __init__(self, output: DeviceOutput, name: str) -> None:
         """Start the process for an output, as in `open`. Raises OSError if it cannot be started."""
         self._process = _state.start()
         self._pid = self._process.pid
@@ -116,7 +116,7 @@ class Guard:
         # Guarded by _condition:
         self._orders: dict[tuple[int, str], tuple[Any, ...]] = {}
         self._unwritten = memoryview(b"")
-        self._outputs: dict[int, GuardedOutput] = {}
+        self._outputs: dict[int, DeviceOutput] = {}
         self._statuses: dict[int, Status] = {}
         self._replaced: dict[int, int] = {}
         self._closing = self._lost = self._answered = False
@@ -124,7 +124,7 @@ class Guard:
         self.open(output, name)  # before its first answer is read: one without outputs is its last
         self._threads = started_threads(orders=self._write, statuses=self._read, watch=self._watch)
 
-    def open(self, output: GuardedOutput, name: str = "open") -> bool:
+    def open(self, output: DeviceOutput, name: str = "open") -> bool:
         """Let the guard create and start an output, or ``quieten`` its device. Returns False if the
         guard is ending."""
         with self._condition:
@@ -135,7 +135,7 @@ class Guard:
             self._write_some()
             return True
 
-    def outputs(self) -> list[GuardedOutput]:
+    def outputs(self) -> list[DeviceOutput]:
         """The outputs that have not ended."""
         with self._condition:
             return [
@@ -291,7 +291,7 @@ class _RunningGuard:
         self.guard: Guard | None = None
         self.numbers = itertools.count()
 
-    def open(self, output: GuardedOutput, name: str = "open") -> Guard:
+    def open(self, output: DeviceOutput, name: str = "open") -> Guard:
         """Let a guard drive one more output, or ``quieten`` its device. Raises OSError if none can
         be started."""
         with self._lock:
@@ -299,7 +299,7 @@ class _RunningGuard:
                 self.guard = Guard(output, name)
             return self.guard
 
-    def quieten(self, outputs: Iterable[GuardedOutput], reason: str) -> None:
+    def quieten(self, outputs: Iterable[DeviceOutput], reason: str) -> None:
         """Silence devices whose guard ended while it drove them, by a new guard."""
         for output in outputs:
             try:
@@ -311,18 +311,25 @@ class _RunningGuard:
 _state = _RunningGuard()
 
 
-class GuardedOutput(Output):
-    """An output that the guard process drives.
+class DeviceOutput(Output):
+    """One device that is fed with blocks of samples, one row per actuator of its profile, and that
+    the guard process drives.
 
-    number: by which the guard knows it. make: makes the output inside the guard.
+    number: by which the guard knows it. make: makes its writer inside the guard; is pickled.
     """
 
-    def __init__(self, profile: ActuatedDevice, make: Callable[[], Output]) -> None:
-        """make: is pickled. Raises ValueError as ``make`` does."""
-        make()
+    def __init__(
+        self, profile: ActuatedDevice, adjustment: Adjustment | None = None, **options: Any
+    ) -> None:
+        """options: those of `DeviceWriter`, or of `SoundCardWriter`. Raises ValueError as these
+        do."""
+        writer: Callable[..., Output] = (
+            DeviceWriter if isinstance(profile, Profile) else SoundCardWriter
+        )
+        self.make = partial(writer, profile, adjustment=adjustment, **options)
+        self.make()
         self.profile = profile
         self.number = -1
-        self.make = make
         self._guard: Guard | None = None
         self._own = Status()
         self._lost = ""  # why its guard ended; another one then silences the device
@@ -414,28 +421,7 @@ class GuardedOutput(Output):
             self._guard.order(self.number, name, *arguments)
 
 
-class DeviceOutput(GuardedOutput):
-    """One device that is fed with blocks of samples, one row per actuator of its profile."""
-
-    def __init__(
-        self, profile: Profile, adjustment: Adjustment | None = None, **options: Any
-    ) -> None:
-        """options: those of `DeviceWriter`; ``hid`` is pickled. Raises ValueError as that does."""
-        super().__init__(profile, partial(DeviceWriter, profile, adjustment=adjustment, **options))
-
-
-class SoundCardOutput(GuardedOutput):
-    """A sound card that is fed with blocks of samples, one row per actuator; used like
-    `DeviceOutput`."""
-
-    def __init__(
-        self, card: SoundCard, adjustment: Adjustment | None = None, **options: Any
-    ) -> None:
-        """options: those of `SoundCardWriter`."""
-        super().__init__(card, partial(SoundCardWriter, card, adjustment=adjustment, **options))
-
-
-def outputs() -> list[GuardedOutput]:
+def outputs() -> list[DeviceOutput]:
     """The outputs of this program that have not ended."""
     return [] if _state.guard is None else _state.guard.outputs()
 

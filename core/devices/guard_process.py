@@ -168,7 +168,9 @@ def _unpacked(argument: Any) -> Any:
 
 
 def main(program: int) -> None:
-    """Run as the guard of the process ``program``; its pipes are standard input and output."""
+    """Run as the guard of the process ``program``; its pipes are standard input and output. Ends
+    this process without exit handlers: after hidapi's own, a thread whose write was blocked until
+    then would crash."""
     for name in ("SIGINT", "SIGHUP"):  # of the terminal; they are meant for the program
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
@@ -179,7 +181,8 @@ def main(program: int) -> None:
         Path("/proc/self/timerslack_ns").write_text("1")
     statuses = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a library prints is no status
-    with own_control_group():
+    with suppress(SystemExit), own_control_group():
         Service(os.fdopen(os.dup(0), "rb"), statuses, program).run()
     with suppress(OSError):  # half an answer may be left that nobody reads
         statuses.close()
+    os._exit(0)

@@ -18,7 +18,7 @@ from .connection import (
 )
 from .families.family import Interface
 from .force_feedback import ForceFeedbackModule, event_nodes, force_feedback_profile
-from .guard import DeviceOutput, GuardedOutput, SoundCardOutput
+from .guard import DeviceOutput
 from .mapping import ActuatedDevice
 from .network import bhaptics, intiface
 from .profile_files import BUILT_IN, load_profiles
@@ -41,7 +41,7 @@ class Found:
     title: str
     kind: str
     device: ActuatedDevice
-    open: Callable[[Adjustment], GuardedOutput]
+    open: Callable[[Adjustment], DeviceOutput]
     permission: str = ""
     rule: str = ""
 
@@ -165,7 +165,7 @@ def _sound_cards() -> list[Found]:
             card.title,
             f"sound card, {card.channels} channels",
             card,
-            partial(SoundCardOutput, card),
+            partial(DeviceOutput, card),
         )
         for card in sound_cards(sound_module())
     ]

@@ -55,7 +55,7 @@ class Status:
 
 
 class Output(Protocol):
-    """What plays blocks of samples: a writer in the guard process, or a `GuardedOutput` that passes
+    """What plays blocks of samples: a writer in the guard process, or a `DeviceOutput` that passes
     orders on to it. Only ``stop`` blocks.
 
     Blocks are arrays (actuators, n) in [-1, 1] at the rate of the output; one of another shape, or

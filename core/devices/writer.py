@@ -8,7 +8,6 @@ falls silent whatever ends the program.
 
 from __future__ import annotations
 
-import atexit
 import threading
 import time
 from functools import partial
@@ -24,7 +23,7 @@ from .families.family import AnyFamily
 from .pacing import WATCHDOG, Pacing, pacing_of
 from .profiles import Adjustment, Profile, check_adjustment
 from .report import Report
-from .status import UNREACHED, ThreadedOutput, stop_together
+from .status import UNREACHED, ThreadedOutput
 
 SAMPLE_RATE = 8000
 RESCAN = 1.5
@@ -36,8 +35,6 @@ close."""
 # hidapi reports a vanished device only by failing writes; a single failure can be a radio
 # disturbance.
 _FAILURES_TO_CLOSE = 3
-# Time-out for silencing all devices at exit.
-_EXIT_SECONDS = 1.0
 
 _Mail = tuple[FloatArray, float]
 """A block or the samples ahead, and when it was sent."""
@@ -128,7 +125,6 @@ class DeviceWriter(ThreadedOutput):
     def _run(self) -> None:
         try:
             hid = self._hid or hid_module()
-            _stop_at_exit()
             while not self._stopping:
                 opened = self._open(hid)
                 if opened is not None:
@@ -185,8 +181,7 @@ class DeviceWriter(ThreadedOutput):
                 if pacing is not None and self._state == "open":
                     self._end(opened, pacing, farewell=True)
             finally:
-                if not _exiting.is_set():
-                    opened.close()
+                opened.close()
 
     def _prepare(self, opened: Opened) -> Pacing:
         """Set up the device for its family. Raises OSError if it cannot be driven."""
@@ -309,30 +304,9 @@ class DeviceWriter(ThreadedOutput):
         written."""
         for _ in range(_FAILURES_TO_CLOSE):
             time.sleep(max(self._wrote + interval - time.perf_counter(), 0.0))
-            if _exiting.is_set():
-                return False
             if self._write(opened, report):
                 return True
         return False
 
 
-_exiting = threading.Event()
 _running: set[DeviceWriter] = set()
-
-
-def stop_all(timeout: float = _EXIT_SECONDS) -> bool:
-    """Stop all outputs within ``timeout`` seconds together. Returns whether all are done."""
-    return stop_together(_running, timeout)
-
-
-def _at_exit() -> None:
-    """Silence the devices; a thread whose write is still blocked must not use hidapi afterwards."""
-    stop_all()
-    _exiting.set()
-
-
-def _stop_at_exit() -> None:
-    """Silence the devices before hidapi's own exit handler runs, after which a write crashes: what
-    is registered last runs first."""
-    atexit.unregister(_at_exit)
-    atexit.register(_at_exit)

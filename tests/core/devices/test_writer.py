@@ -15,7 +15,8 @@ from haptic_tracing.core.devices.connection import DeviceError, connected, hid_m
 from haptic_tracing.core.devices.families.registry import family
 from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.devices.profiles import Adjustment, Calibration
-from haptic_tracing.core.devices.writer import DeviceWriter, stop_all
+from haptic_tracing.core.devices.status import stop_together
+from haptic_tracing.core.devices.writer import DeviceWriter
 
 RATE = 8000
 
@@ -170,7 +171,7 @@ def test_eight_devices_at_once_and_all_stop_together(started):
     for output in outputs:
         playing(output)
     until(lambda: all(sounding(pad) for pad in pads))
-    assert stop_all(60.0)
+    assert stop_together(outputs, 60.0)
     assert all(
         pad.written[-2:] == [ZERO, RELEASE] and pad.opened == pad.closed == 1 for pad in pads
     )
