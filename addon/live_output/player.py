@@ -307,8 +307,6 @@ def _mapped(
         missing = [place for place in places if place not in known]
         if missing:
             names = Names(f"{place.actuator} of {place.device}" for place in missing)
-            absent.append(
-                Loss(listener, "actuator", Message.of(Cause.ACTUATOR_GONE, actuators=names))
-            )
+            absent.append(Loss(listener, Message.of(Cause.ACTUATOR_GONE, actuators=names)))
     mapping = map_listeners(listeners, devices, chosen=chosen, bands=bands)
     return replace(mapping, losses=(*absent, *mapping.losses))

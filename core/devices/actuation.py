@@ -7,15 +7,15 @@ signal (a full-scale sine is 1) and, if the device can reproduce it, its frequen
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from ..frozen import frozen
-from .families.family import RumbleFamily, StreamFamily
+from .families.family import RumbleFamily
 from .high_pass import HighPass
-from .profiles import Calibration, Profile
+from .profiles import Actuator, Calibration, Profile
 from .report import Tones
 from .resampling import Resampler
 
@@ -187,19 +187,20 @@ class ToneActuation:
 
 
 class SampleActuation:
-    """Blocks of samples, one row per actuator, to samples of a stream family's channels at its
-    rate."""
+    """Blocks of samples, one row per actuator, to samples of a device's channels at its rate.
+    ``delay``: by which these lag [s]."""
 
-    def __init__(self, profile: Profile, family: StreamFamily, rate: int) -> None:
-        self._actuators = profile.actuators
+    def __init__(
+        self, actuators: Sequence[Actuator], channels: Sequence[str], rate: int, device_rate: int
+    ) -> None:
+        """The actuators, each with one of these channels, and the rates of blocks and device."""
+        self._actuators = actuators
         self.calibrate({})
-        self._places = [
-            family.channels.index(actuator.channels[0].name) for actuator in profile.actuators
-        ]
-        self._channels = len(family.channels)
-        self._high_pass = HighPass(len(profile.actuators), rate)
-        self._resampler = Resampler(len(profile.actuators), rate, family.rate)
-        self.rate = rate
+        self._places = [channels.index(actuator.channels[0].name) for actuator in actuators]
+        self._channels = len(channels)
+        self._high_pass = HighPass(len(actuators), rate)
+        self._resampler = Resampler(len(actuators), rate, device_rate)
+        self.rate, self.delay = rate, self._resampler.delay
         self.hop = round(HOP * rate)
 
     def calibrate(self, calibrations: Mapping[str, Calibration]) -> None:

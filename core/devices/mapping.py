@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import field
-from typing import Literal
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from ..arrays import FloatArray, IntArray
 from ..frozen import frozen
 from ..message import Cause, Hertz, Message, Names, Seconds
 from ..scene.body import body_part
-from .profiles import Actuator, Profile
+from .profiles import Profile
 from .sound_card import SoundCard
 
 LATEST = 0.050
@@ -34,16 +33,10 @@ class Place:
 
 @frozen
 class Loss:
-    """A part of a listener's signal that is not felt.
-
-    kind: ``actuator`` there is none; ``band`` frequencies outside the actuator's range;
-    ``frequency`` only the amplitude is played; ``side`` it shares its actuator with other
-    listeners; ``time`` touch comes noticeably late. message: what is lost, without the listener's
-    name.
-    """
+    """A part of a listener's signal that is not felt. message: what is lost, without the listener's
+    name."""
 
     listener: str
-    kind: Literal["actuator", "band", "frequency", "side", "time"]
     message: Message
 
 
@@ -162,7 +155,7 @@ def map_listeners(
                 if part
                 else Message.of(Cause.NO_BODY_PART)
             )
-            losses.append(Loss(listener, "actuator", message))
+            losses.append(Loss(listener, message))
         for place in places:
             if place.device not in devices:
                 raise ValueError(f"device {place.device!r} is not connected")
@@ -205,47 +198,34 @@ def _losses(
     weights: FloatArray,
     names: tuple[str, ...],
     bands: Mapping[str, tuple[float, float]],
-) -> list[Loss]:
+) -> Iterator[Loss]:
     """The losses of a device for each of its listeners."""
-    losses: list[Loss] = []
     for actuator, felt in zip(profile.actuators, weights, strict=True):
         sharing = [names[row] for row in np.flatnonzero(felt)]
         for listener in sharing:
             names_of = {"actuator": actuator.name, "device": profile.title}
             others = Names(name for name in sharing if name != listener)
             if others:
-                losses.append(
-                    Loss(
-                        listener,
-                        "side",
-                        Message.of(Cause.SHARED_ACTUATOR, listeners=others, **names_of),
-                    )
+                yield Loss(
+                    listener, Message.of(Cause.SHARED_ACTUATOR, listeners=others, **names_of)
                 )
-            if listener in bands:
-                losses += _band_losses(listener, bands[listener], actuator, names_of)
+            low, high = actuator.band
+            least, most = bands.get(listener, actuator.band)
+            if not low <= least <= most <= high:
+                cause = (
+                    Cause.OUT_OF_BAND if most < low or least > high else Cause.PARTLY_OUT_OF_BAND
+                )
+                limits = {
+                    "low": Hertz(least),
+                    "high": Hertz(most),
+                    "lowest": Hertz(low),
+                    "highest": Hertz(high),
+                }
+                yield Loss(listener, Message.of(cause, **limits, **names_of))
             if not profile.plays_frequency:
-                losses.append(
-                    Loss(listener, "frequency", Message.of(Cause.STRENGTH_ONLY, **names_of))
-                )
+                yield Loss(listener, Message.of(Cause.STRENGTH_ONLY, **names_of))
             if actuator.latency > LATEST:
                 message = Message.of(
                     Cause.LATE, delay=Seconds(actuator.latency), limit=Seconds(LATEST), **names_of
                 )
-                losses.append(Loss(listener, "time", message))
-    return losses
-
-
-def _band_losses(
-    listener: str, band: tuple[float, float], actuator: Actuator, names: Mapping[str, str]
-) -> list[Loss]:
-    low, high = actuator.band
-    if low <= band[0] and band[1] <= high:
-        return []
-    cause = Cause.OUT_OF_BAND if band[1] < low or band[0] > high else Cause.PARTLY_OUT_OF_BAND
-    limits = {
-        "low": Hertz(band[0]),
-        "high": Hertz(band[1]),
-        "lowest": Hertz(low),
-        "highest": Hertz(high),
-    }
-    return [Loss(listener, "band", Message.of(cause, **limits, **names))]
+                yield Loss(listener, message)

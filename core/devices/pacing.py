@@ -390,7 +390,7 @@ class StreamPacing(Pacing):
             profile,
             family,
             transport,
-            SampleActuation(profile, family, rate),
+            SampleActuation(profile.actuators, family.channels, rate, family.rate),
             adjustment,
             sequence,
             family.period,

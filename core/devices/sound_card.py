@@ -20,13 +20,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import FloatArray
 from ..forms import Form
 from ..frozen import frozen
-from .actuation import HOP, checked_block
+from .actuation import SampleActuation, checked_block
 from .connection import DeviceError, carried_module
-from .high_pass import HighPass
 from .limits import DriveLimits, SampleLimits
 from .pacing import Ahead, SampleQueue, join
 from .profiles import Actuator, Adjustment, Calibration, DriveChannel
-from .resampling import Resampler
 from .status import ThreadedOutput
 from .writer import RESCAN, SAMPLE_RATE
 
@@ -151,16 +149,16 @@ class SoundCardWriter(ThreadedOutput):
         self.profile = card
         self._module = module
         self._rows = len(card.actuators)
-        self._places = [int(actuator.channels[0].name) for actuator in card.actuators]
-        self._high_pass = HighPass(self._rows, rate)
-        self._resampler = Resampler(self._rows, rate, card.rate)
+        used = [actuator.channels[0].name for actuator in card.actuators]
+        self._places = list(map(int, used))
+        self._actuation = SampleActuation(card.actuators, used, rate, card.rate)
         self._rate = rate
         ceilings = np.array([actuator.safe_maximum for actuator in card.actuators])
         self._drive = DriveLimits(ceilings, _SLEW, _SUSTAINED, _SUSTAINED_SECONDS, 1.0 / 24.0)
         self._limits = SampleLimits(self._drive, self._rows)
         self._lock = threading.Lock()
         # Guarded by _lock:
-        self._queue = SampleQueue(self._rows, round(HOP * rate), self._resampled)
+        self._queue = SampleQueue(self._rows, self._actuation.hop, self._resampled)
         self._queue.dry = True
         self._sent: float | None = None
         self._end = 0.0
@@ -172,11 +170,7 @@ class SoundCardWriter(ThreadedOutput):
     def adjust(self, adjustment: Adjustment) -> None:
         self._adjustment = adjustment
         self._drive.scale_ceilings(adjustment.ceiling)
-        gains = [
-            adjustment.calibrations.get(actuator.name, actuator.calibration).gain
-            for actuator in self.profile.actuators
-        ]
-        self._gains = np.array(gains)[:, None]
+        self._actuation.calibrate(adjustment.calibrations)
 
     def send(self, block: ArrayLike, sent: float | None = None) -> float:
         """Play a block after the rest of the one before. (actuators, n) in [-1, 1] at the rate.
@@ -225,8 +219,7 @@ class SoundCardWriter(ThreadedOutput):
         with self._lock:
             self._queue.clear()
             self._sent = None
-            self._high_pass.reset()
-            self._resampler.reset()
+            self._actuation.reset()
 
     def rest(self) -> None:
         self.silence()  # a card needs no release
@@ -236,7 +229,7 @@ class SoundCardWriter(ThreadedOutput):
         self._stop.set()
 
     def _lag(self, delay: float) -> float:
-        return delay + self._latency + self._resampler.delay + 0.005
+        return delay + self._latency + self._actuation.delay + 0.005
 
     def fill(self, out: NDArray[np.float32]) -> None:
         """Fill ``out`` (n, channels) with the queued samples, then silence, without a jump."""
@@ -249,7 +242,7 @@ class SoundCardWriter(ThreadedOutput):
 
     def _resampled(self, samples: FloatArray) -> FloatArray:
         """Samples at the card's rate, with the user's adjustment and within the limits."""
-        resampled = self._resampler.process(self._high_pass.process(self._gains * samples))
+        resampled = self._actuation.process(samples)
         return self._limits.limited(resampled, resampled.shape[1] / self.profile.rate)
 
     def _run(self) -> None:

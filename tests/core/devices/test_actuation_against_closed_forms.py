@@ -233,7 +233,8 @@ def test_resampling_does_not_depend_on_how_the_signal_is_cut(cuts, rates):
 def test_samples_go_to_the_channels_of_their_actuators_with_the_calibrations_gain():
     device = profile("steam-controller-pcm")
     swapped = replace(device, actuators=device.actuators[::-1])
-    actuation = SampleActuation(swapped, device.family, 8000)
+    family = device.family
+    actuation = SampleActuation(swapped.actuators, family.channels, 8000, family.rate)
     actuation.calibrate({"left grip": Calibration(gain=0.5)})
     played = actuation.process(np.array([[0.1, 0.2], [0.6, 0.8]]))
     a = np.exp(-2 * np.pi * 1.0 / 8000)  # a high-pass of first order at 1 Hz

@@ -13,8 +13,8 @@ PROFILES = load_profiles()[0]
 DEFAULT = {part: part for part in DEFAULT_LISTENERS}
 
 
-def kinds(mapping, listener):
-    return sorted(loss.kind for loss in mapping.losses if loss.listener == listener)
+def causes(mapping, listener):
+    return [loss.message.cause for loss in mapping.losses if loss.listener == listener]
 
 
 def test_the_twelve_default_listeners_on_a_dualsense():
@@ -23,24 +23,23 @@ def test_the_twelve_default_listeners_on_a_dualsense():
     assert weights[:, mapping.listeners.index("hand.L")].tolist() == [1.0, 0.0]
     assert weights[:, mapping.listeners.index("hand.R")].tolist() == [0.0, 1.0]
     assert weights.sum() == 2.0
-    lost = {loss.listener for loss in mapping.losses if loss.kind == "actuator"}
+    lost = {loss.listener for loss in mapping.losses if loss.message.cause is Cause.NO_ACTUATOR}
     assert lost == set(DEFAULT) - {"hand.L", "hand.R"}
-    assert (
-        Loss("ear.L", "actuator", Message.of(Cause.NO_ACTUATOR, body_part="ear.L"))
-        in mapping.losses
-    )
+    assert Loss("ear.L", Message.of(Cause.NO_ACTUATOR, body_part="ear.L")) in mapping.losses
 
 
 def test_what_each_kind_of_device_loses():
     hand = {"hand.L": "hand.L"}
-    assert kinds(map_listeners(hand, {"a": profile("switch-pro")}), "hand.L") == []
-    assert kinds(map_listeners(hand, {"a": profile("steam-controller-pcm")}), "hand.L") == []
-    assert kinds(map_listeners(hand, {"a": profile("dualsense")}), "hand.L") == ["frequency"]
+    assert causes(map_listeners(hand, {"a": profile("switch-pro")}), "hand.L") == []
+    assert causes(map_listeners(hand, {"a": profile("steam-controller-pcm")}), "hand.L") == []
+    assert causes(map_listeners(hand, {"a": profile("dualsense")}), "hand.L") == [
+        Cause.STRENGTH_ONLY
+    ]
     both = {"hand.L": "hand.L", "hand.R": "hand.R"}
-    assert kinds(map_listeners(both, {"a": profile("xbox")}), "hand.L") == [
-        "frequency",
-        "side",
-        "time",
+    assert causes(map_listeners(both, {"a": profile("xbox")}), "hand.L") == [
+        Cause.SHARED_ACTUATOR,
+        Cause.STRENGTH_ONLY,
+        Cause.LATE,
     ]
 
 
@@ -58,7 +57,7 @@ def test_frequencies_that_an_actuator_can_not_play_are_named(band, cause):
     mapping = map_listeners(
         {"seat": "hand.L"}, {"deck": profile("steam-deck")}, bands={"seat": band}
     )
-    messages = [loss.message for loss in mapping.losses if loss.kind == "band"]
+    messages = [loss.message for loss in mapping.losses if "BAND" in loss.message.cause.name]
     limits = {"low": band[0], "high": band[1], "lowest": 150, "highest": 300}
     place = {"actuator": "left trackpad", "device": "Steam Deck"}
     assert messages == ([Message.of(cause, **limits, **place)] if cause else [])
@@ -72,8 +71,11 @@ def test_a_choice_overrides_the_body_part_and_no_choice_mutes():
     )
     assert mapping.weights["one"].tolist() == [[0, 0, 0, 0], [1, 0, 1, 0]]
     assert mapping.weights["two"].tolist() == [[1, 0, 0, 0]]
-    assert [loss.listener for loss in mapping.losses if loss.kind == "actuator"] == ["lost"]
-    assert {loss.listener for loss in mapping.losses if loss.kind == "side"} == {"seat", "hand.R"}
+    assert causes(mapping, "lost") == [Cause.NO_BODY_PART]
+    sharing = {
+        loss.listener for loss in mapping.losses if loss.message.cause is Cause.SHARED_ACTUATOR
+    }
+    assert sharing == {"seat", "hand.R"}
 
 
 @given(
@@ -90,7 +92,7 @@ def test_every_listener_is_felt_or_reported_lost_and_blocks_are_sums(parts, name
         for row, part in enumerate(parts)
         if any(weights[:, row].any() for weights in mapping.weights.values())
     }
-    lost = {loss.listener for loss in mapping.losses if loss.kind == "actuator"}
+    lost = {loss.listener for loss in mapping.losses if loss.message.cause is Cause.NO_ACTUATOR}
     assert felt | lost == set(parts) and not felt & lost
     samples = np.random.default_rng(0).normal(size=(len(parts), 7))
     for device, block in mapping.blocks(samples).items():
