@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 from ...forms import Form, JsonObject
 from ...scene.references import Place, PlacedError, require_known, require_new
-from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source
+from ...scene.values import HapticScene, Pose
 from ..io.error import errors_in
 from .motion import unpacked
-from .recording import CHANGES, Poses, RecordedFrame, Recording, is_on, pair_of
+from .recording import CHANGES, Poses, RecordedFrame, Recording, SceneState, by_pair
 from .values_json import (
     json_value,
     read_contact,
@@ -73,10 +73,7 @@ class _FrameReader:
     """Reads frames in order and keeps track of what exists, so that every reference is checked."""
 
     def __init__(self, scene: HapticScene) -> None:
-        self.objects = {item.name for item in scene.objects}
-        self.sources = {item.name: item for item in scene.sources}
-        self.listeners = {item.name: item.object for item in scene.listeners}
-        self.touching = {pair_of(contact) for contact in scene.contacts}
+        self.state = SceneState(scene)
         self.last: int | None = None
 
     def frame(self, form: Form, place: Place) -> RecordedFrame:
@@ -84,34 +81,19 @@ class _FrameReader:
         if self.last is not None and number <= self.last:
             raise PlacedError((*place, "frame"), f"must come after {self.last}, the frame before")
         self.last = number
-        parted = self._parted(form, place)
-        self._remove(form, place)
-        objects = self._objects(form, place)
-        listeners = self._listeners(form, place)
-        sources = self._sources(form, place)
-        self._check_names(form, place)
-        for name, row in form.get("poses", {}).items():
-            read_value(Pose, {"position": row[:3], "rotation": row[3:]}, (*place, "poses", name))
-        contacts = self._contacts(form, place)
-        functions = {
-            name: read_function(function, (*place, "functions", name))
-            for name, function in form.get("functions", {}).items()
-        }
-        positions = {
-            name: tuple(map(tuple, places))
-            for name, places in form.get("source_positions", {}).items()
-        }
-        read = {
-            "functions": functions,
-            "source_positions": positions,
-            "contacts": contacts,
-            "parted": parted,
-            "sources": sources,
-        }
-        others = {key: _as_tuples(value) for key, value in form.items() if key != "frame"}
-        return RecordedFrame(
-            number, **{**others, **read, "objects": objects, "listeners": listeners}
-        )
+        frame = _read_frame(form, place)
+        self._remove(frame, place)
+        self._add(frame, place)
+        for key, (kind, _) in CHANGES.items():
+            for name in getattr(frame, key):
+                known: Collection[str] = getattr(self.state, kind)
+                require_known(name, known, kind.removesuffix("s"), (*place, key, name))
+        for i, contact in enumerate(frame.contacts):
+            for k, name in enumerate(contact.objects):
+                own = (*place, "contacts", i, "objects", k)
+                require_known(name, self.state.objects, "object", own)
+        self.state.contacts.update(by_pair(frame.contacts))
+        return frame
 
     def moved(self, frame: RecordedFrame, moving: dict[int, Poses], place: Place) -> RecordedFrame:
         """The frame that was read last with the poses of its motions, which are removed from
@@ -119,9 +101,11 @@ class _FrameReader:
         poses = moving.pop(frame.number, None)
         if poses is None:
             return frame
-        if not self.objects.issuperset(poses.names):
-            name = next(name for name in poses.names if name not in self.objects)
-            raise PlacedError(("motions",), f"there is no object {name!r} in frame {frame.number}")
+        for name in poses.names:
+            if name not in self.state.objects:
+                raise PlacedError(
+                    ("motions",), f"there is no object {name!r} in frame {frame.number}"
+                )
         for name in frame.poses:
             if name in poses:
                 raise PlacedError(
@@ -129,70 +113,65 @@ class _FrameReader:
                 )
         return replace(frame, poses={**poses, **frame.poses} if frame.poses else poses)
 
-    def _remove(self, form: Form, place: Place) -> None:
-        """Remove objects with the sources and listeners on them, and listeners."""
-        for kind, known in (("object", self.objects), ("listener", self.listeners)):
-            for i, name in enumerate(form.get(f"removed_{kind}s", ())):
-                require_known(name, known, kind, (*place, f"removed_{kind}s", i))
-        gone = set(form.get("removed_objects", ()))
-        self.objects -= gone
-        listeners = gone and {name for name, carrier in self.listeners.items() if carrier in gone}
-        for name in {*listeners, *form.get("removed_listeners", ())}:
-            del self.listeners[name]
-        for name in [name for name, item in self.sources.items() if gone and is_on(item, gone)]:
-            del self.sources[name]
-        self.touching -= {pair for pair in self.touching if gone and not gone.isdisjoint(pair)}
-
-    def _objects(self, form: Form, place: Place) -> tuple[HapticObject, ...]:
-        """The objects that appear."""
-        objects = read_items(form, "objects", read_object, place)
-        for i, item in enumerate(objects):
-            require_new(item.name, self.objects, "object", (*place, "objects", i, "name"))
-            self.objects.add(item.name)
-        return objects
-
-    def _listeners(self, form: Form, place: Place) -> tuple[Listener, ...]:
-        """The listeners that appear."""
-        listeners = read_items(form, "listeners", read_listener, place)
-        for i, item in enumerate(listeners):
-            require_new(item.name, self.listeners, "listener", (*place, "listeners", i, "name"))
-            require_known(item.object, self.objects, "object", (*place, "listeners", i, "object"))
-            self.listeners[item.name] = item.object
-        return listeners
-
-    def _sources(self, form: Form, place: Place) -> tuple[Source, ...]:
-        """The sources that begin; they exist from now on."""
-        sources = read_items(form, "sources", read_source, place)
-        for i, source in enumerate(sources):
-            if not (source.rubs and source.name in self.sources and self.sources[source.name].rubs):
-                require_new(source.name, self.sources, "source", (*place, "sources", i, "name"))
-            self.sources[source.name] = source
-            for key in ("object", "second_object"):
-                if (name := getattr(source, key)) is not None:
-                    require_known(name, self.objects, "object", (*place, "sources", i, key))
-        return sources
-
-    def _check_names(self, form: Form, place: Place) -> None:
-        for key, (kind, _) in CHANGES.items():
-            for name in form.get(key, {}):
-                known: Collection[str] = getattr(self, kind)
-                require_known(name, known, kind.removesuffix("s"), (*place, key, name))
-
-    def _contacts(self, form: Form, place: Place) -> tuple[Contact, ...]:
-        contacts = read_items(form, "contacts", read_contact, place)
-        for i, contact in enumerate(contacts):
-            for k, name in enumerate(contact.objects):
-                require_known(name, self.objects, "object", (*place, "contacts", i, "objects", k))
-        self.touching.update(pair_of(contact) for contact in contacts)
-        return contacts
-
-    def _parted(self, form: Form, place: Place) -> tuple[tuple[str, str], ...]:
-        """The pairs that part."""
-        parted = tuple((min(pair), max(pair)) for pair in form.get("parted", []))
-        for i, pair in enumerate(parted):
-            if pair not in self.touching:
+    def _remove(self, frame: RecordedFrame, place: Place) -> None:
+        """Check what parts and what disappears, and remove it."""
+        state = self.state
+        for i, pair in enumerate(frame.parted):
+            if state.contacts.pop(pair, None) is None:
                 raise PlacedError(
                     (*place, "parted", i), f"{pair[0]!r} and {pair[1]!r} did not touch"
                 )
-            self.touching.remove(pair)
-        return parted
+        for key, known in (("object", state.objects), ("listener", state.listeners)):
+            for i, name in enumerate(getattr(frame, f"removed_{key}s")):
+                require_known(name, known, key, (*place, f"removed_{key}s", i))
+        state.remove(frame)
+
+    def _add(self, frame: RecordedFrame, place: Place) -> None:
+        """Check what appears, and add it; sources exist from now on."""
+        state = self.state
+        for i, item in enumerate(frame.objects):
+            require_new(item.name, state.objects, "object", (*place, "objects", i, "name"))
+            state.objects[item.name] = item
+        for i, listener in enumerate(frame.listeners):
+            own = (*place, "listeners", i)
+            require_new(listener.name, state.listeners, "listener", (*own, "name"))
+            require_known(listener.object, state.objects, "object", (*own, "object"))
+            state.listeners[listener.name] = listener
+        for i, source in enumerate(frame.sources):
+            own = (*place, "sources", i)
+            before = state.sources.get(source.name)
+            if not (source.rubs and before is not None and before.rubs):
+                require_new(source.name, state.sources, "source", (*own, "name"))
+            state.sources[source.name] = source
+            for key in ("object", "second_object"):
+                if (name := getattr(source, key)) is not None:
+                    require_known(name, state.objects, "object", (*own, key))
+
+
+def _read_frame(form: Form, place: Place) -> RecordedFrame:
+    """A frame, whose references are not checked."""
+    for name, row in form.get("poses", {}).items():
+        read_value(Pose, {"position": row[:3], "rotation": row[3:]}, (*place, "poses", name))
+    read = {
+        "functions": {
+            name: read_function(function, (*place, "functions", name))
+            for name, function in form.get("functions", {}).items()
+        },
+        "source_positions": {
+            name: tuple(map(tuple, places))
+            for name, places in form.get("source_positions", {}).items()
+        },
+        "parted": tuple((min(pair), max(pair)) for pair in form.get("parted", [])),
+        **{key: read_items(form, key, read, place) for key, read in _ITEMS.items()},
+    }
+    others = {key: _as_tuples(value) for key, value in form.items() if key != "frame"}
+    return RecordedFrame(int(form["frame"]), **{**others, **read})
+
+
+_ITEMS: Mapping[str, Callable[[Any, Place], Any]] = {
+    "objects": read_object,
+    "listeners": read_listener,
+    "sources": read_source,
+    "contacts": read_contact,
+}
+"""Readers of the lists of a frame."""

@@ -14,7 +14,6 @@ from ...contacts.contact_set import ContactSet
 from ...contacts.one_shots import Shot
 from ...contacts.settings import Body
 from ...contacts.shapes import pose_matrix
-from ...forms import JsonObject
 from ...frozen import frozen
 from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
@@ -175,7 +174,7 @@ def states(
 ) -> Iterator[tuple[int, HapticScene]]:
     """Every frame number from the first to the last recorded, with the scene in it: its active
     sources and its contacts. ``late``: delay of a source at the listeners [s], by name."""
-    state = _SceneState(scene)
+    state = SceneState(scene)
     frames = iter(recording.frames)
     change = next(frames, None)
     number = change.number if change else 0
@@ -239,72 +238,68 @@ def by_pair(contacts: Sequence[Contact]) -> dict[Pair, tuple[Contact, ...]]:
     return result
 
 
-class _SceneState:
+class SceneState:
     """The current state of a changing scene: its items by name, and the contacts by pairs of
     objects."""
 
     def __init__(self, scene: HapticScene) -> None:
         self._scene = scene
-        self._objects = {item.name: item for item in scene.objects}
-        self._sources = {item.name: item for item in scene.sources}
-        self._listeners = {item.name: item for item in scene.listeners}
-        self._contacts = by_pair(scene.contacts)
+        self.objects = {item.name: item for item in scene.objects}
+        self.sources = {item.name: item for item in scene.sources}
+        self.listeners = {item.name: item for item in scene.listeners}
+        self.contacts = by_pair(scene.contacts)
 
     def scene(self) -> HapticScene:
         """The current scene."""
         return replace(
             self._scene,
-            objects=tuple(self._objects.values()),
-            sources=tuple(self._sources.values()),
-            listeners=tuple(self._listeners.values()),
-            contacts=tuple(contact for touching in self._contacts.values() for contact in touching),
+            objects=tuple(self.objects.values()),
+            sources=tuple(self.sources.values()),
+            listeners=tuple(self.listeners.values()),
+            contacts=tuple(contact for touching in self.contacts.values() for contact in touching),
         )
 
     def end_sources(self, time: float, late: Mapping[str, float]) -> None:
         """Remove the temporary sources that have ended before ``time``."""
         for name in [
             name
-            for name, item in self._sources.items()
+            for name, item in self.sources.items()
             if _is_over(item, time - late.get(name, 0.0))
         ]:
-            del self._sources[name]
+            del self.sources[name]
 
     def apply(self, change: RecordedFrame) -> None:
         """Apply the changes of the next recorded frame."""
-        for pair in change.parted:
-            self._contacts.pop(pair, None)
-        self._remove(change)
-        kinds: dict[str, JsonObject] = {
-            "objects": self._objects,
-            "sources": self._sources,
-            "listeners": self._listeners,
-        }
-        for kind, items in kinds.items():
-            items.update((item.name, item) for item in getattr(change, kind))
+        self.remove(change)
+        for kind in ("objects", "sources", "listeners"):
+            getattr(self, kind).update((item.name, item) for item in getattr(change, kind))
         for key, (kind, fields) in CHANGES.items():
-            items = kinds[kind]
+            items = getattr(self, kind)
             for name, value in getattr(change, key).items():
                 if key == "poses":
                     value = Pose(value[:3], value[3:])
                 values = value if len(fields) > 1 else (value,)
                 items[name] = replace(items[name], **dict(zip(fields, values, strict=False)))
-        self._contacts.update(by_pair(change.contacts))
+        self.contacts.update(by_pair(change.contacts))
 
-    def _remove(self, change: RecordedFrame) -> None:
-        """Remove objects with all sources and listeners on them, and listeners."""
+    def remove(self, change: RecordedFrame) -> None:
+        """Remove the contacts of pairs that part, objects with all sources, listeners and contacts
+        on them, and listeners."""
+        for pair in change.parted:
+            self.contacts.pop(pair, None)
         for name in change.removed_listeners:
-            self._listeners.pop(name, None)
+            self.listeners.pop(name, None)
         gone = set(change.removed_objects)
         if gone:
-            self._objects = {name: item for name, item in self._objects.items() if name not in gone}
-            self._sources = {
-                name: item for name, item in self._sources.items() if not is_on(item, gone)
+            self.objects = {name: item for name, item in self.objects.items() if name not in gone}
+            self.sources = {
+                name: item for name, item in self.sources.items() if not is_on(item, gone)
             }
-            self._listeners = {
-                name: item for name, item in self._listeners.items() if item.object not in gone
+            self.listeners = {
+                name: item for name, item in self.listeners.items() if item.object not in gone
             }
-            self._contacts = {
-                pair: touching for pair, touching in self._contacts.items() if gone.isdisjoint(pair)
+            self.contacts = {
+                pair: touching for pair, touching in self.contacts.items() if gone.isdisjoint(pair)
             }
 
 
