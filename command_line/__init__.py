@@ -109,9 +109,8 @@ def build_parser() -> argparse.ArgumentParser:
     )
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, command in SUBCOMMANDS.items():
-        command.describe(
-            subparsers.add_parser(name, help=command.summary, description=command.description)
-        )
+        about = command.description
+        command.describe(subparsers.add_parser(name, help=about, description=about))
     return parser
 
 

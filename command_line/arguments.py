@@ -20,10 +20,9 @@ FORMAT_NAMES = f"{', '.join(FORMATS)}, or all"
 
 
 class Subcommand(NamedTuple):
-    """``summary``: its line in the program's help. ``describe`` adds its arguments to a parser.
-    ``example``: a call of it, for its page in the manual."""
+    """``describe`` adds its arguments to a parser. ``example``: a call of it, for its page in the
+    manual."""
 
-    summary: str
     description: str
     describe: Callable[[Parser], None]
     example: str
@@ -505,105 +504,89 @@ def _validate(parser: Parser) -> None:
 
 SUBCOMMANDS: Mapping[str, Subcommand] = {
     "propagate": Subcommand(
-        "gains of a haptic scene file",
         "Print the gains of a haptic scene file as one JSON object.",
         _propagate,
         "haptic-tracing propagate bench.json --strategy energy_balance --felt",
     ),
     "fit": Subcommand(
-        "fit the loss of an object and the gain of a contact",
         "Fit the loss of an object and the gain of a contact to two recordings of one event, at "
         "the source and at a listener.",
         _fit,
         "haptic-tracing fit floor.json a.wav b.wav --source drill --listener hand --object floor",
     ),
     "contacts": Subcommand(
-        "contacts of a haptic scene file",
         "Print the contacts of a haptic scene file, found from the shapes and poses of its "
         "objects.",
         _contacts,
         "haptic-tracing contacts bench.json --tolerance 0.005",
     ),
     "serve": Subcommand(
-        "levels and samples for an engine, over a WebSocket or OSC",
         "Answer poses from an engine with what each listener feels, and play it on devices.",
         _serve,
         "haptic-tracing serve bench.json --device dualsense",
     ),
     "conformance": Subcommand(
-        "compares the answers of a run-time server with closed forms",
         "Play conversations with a run-time server and compare its answers with what closed "
         "forms say.",
         _conformance,
         "haptic-tracing conformance ws://127.0.0.1:7710 --token TOKEN",
     ),
     "devices": Subcommand(
-        "haptic devices: list, test, calibrate, encode",
-        "List the connected haptic devices.",
+        "List the connected haptic devices; or test or calibrate one, or encode its report.",
         _devices,
         "haptic-tracing devices test dualsense --seconds 5",
     ),
     "export": Subcommand(
-        "write a haptic scene in other formats",
         "Write what the listeners of a haptic scene feel, in the formats of other programs.",
         _export,
         "haptic-tracing export bench.json --to wav,haptic --out out --option wav.encoding=float32",
     ),
     "play": Subcommand(
-        "play a haptic file on the connected devices",
         "Play any haptic file, or what the listeners of a scene feel, on the connected devices. "
         "Space pauses, q stops.",
         _play,
         "haptic-tracing play out/bench.wav --device dualsense",
     ),
     "sound": Subcommand(
-        "turn a sound into the signal of a source",
         "Follow the level and the pitch of a sound and find its onsets, and write the vibration "
         "as the signal of a source.",
         _sound,
         "haptic-tracing sound drum.wav --output drum.json --carrier pitch",
     ),
     "convert": Subcommand(
-        "convert between file formats",
         "Convert a vibration, or a haptic scene, to the format that the new name ends in.",
         _convert,
         "haptic-tracing convert - buzz.haptic --from wav < buzz.wav",
     ),
     "sample": Subcommand(
-        "build a sample scene as a .blend file",
         "Build a sample scene, bake its rigid bodies and save it as a Blender file.",
         _sample,
         "haptic-tracing sample rails --output rails.blend",
     ),
     "trace": Subcommand(
-        "play a tagged .blend file and write what is felt",
         "Play a tagged Blender file and write what its listeners feel.",
         _trace,
         "haptic-tracing trace bench.blend --out out --start 1 --end 48 --json",
     ),
     "bake": Subcommand(
-        "play a tagged .blend file and write its tracks in other formats",
         "Play a Blender file, physics included, and write what its listeners feel, in the "
         "formats of other programs.",
         _bake,
         "haptic-tracing bake bench.blend --to wav,hjif --frames 1:250 --modes HT,SD",
     ),
     "engine": Subcommand(
-        "export a tagged .blend file for an engine",
         "Play a Blender file, and write it as glTF, its haptics with the same names, and a baked "
         "pack that plays without a server.",
         _engine,
         "haptic-tracing engine bench.blend --out game/assets --frames 1:250",
     ),
     "merge": Subcommand(
-        "merge the parts of a bake",
         "Merge the parts of a bake into tracks that are bit-identical to those of a bake without "
         "parts.",
         _merge,
         "haptic-tracing merge parts --to wav,hjif --out out",
     ),
     "sweep": Subcommand(
-        "trace many variants of scenes in parallel, and plot the results",
         "Trace every combination of scenes, settings, materials and seeds of a study into one "
         "table, on this machine or on a Dask cluster; "
         "or draw such a table.",
@@ -611,20 +594,17 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "haptic-tracing sweep study.toml --workers 4 --out out",
     ),
     "demo": Subcommand(
-        "trace the paper's first figure: a jackhammer felt on a bench",
         "Build the paper's first figure, play it in Blender and write what the avatar feels.",
         _demo,
         "haptic-tracing demo --out out",
     ),
     "validate": Subcommand(
-        "compare the model with published measurements",
         "Compare attenuation, damping and energies with published measurements and printed "
         "answers.",
         _validate,
         "haptic-tracing validate --out docs",
     ),
     "study": Subcommand(
-        "render the paper's ride in its four modes and report",
         "Render the paper's ride in the four modes HT, SD, MD and MN and report how they differ; "
         "or let people feel it (run) and analyse what they answered (analyse).",
         _study,
