@@ -14,7 +14,7 @@ from ..addon.scene_reader.reading import Reading
 from ..addon.session import session
 from ..addon.session.timeline import steps
 from ..core.arrays import FloatArray
-from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks, sorted_impacts, strengths
+from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ..core.frozen import frozen
 from ..core.render.frame_result import FrameResult
 from ..core.scene.values import Source
@@ -37,7 +37,6 @@ class Played:
 
     listeners: tuple[str, ...]
     samples: FloatArray
-    sample_rate: float
     start: float
     impacts: tuple[ImpactFelt, ...]
     blender_milliseconds: FloatArray
@@ -47,21 +46,9 @@ class Played:
     liveliest: FrameResult  # the frame of the strongest impact; the last one without impacts
 
     def tracks(self) -> Tracks:
-        """The samples with the impacts among them."""
-        felt = [
-            (impact.source.onset - self.start, strengths(impact.source, impact.amplitudes))
-            for impact in self.impacts
-        ]
-        listeners = (
-            ListenerTrack(
-                item.name,
-                item.body_part,
-                sorted_impacts((time, row[number]) for time, row in felt),
-                item.device,
-            )
-            for number, item in enumerate(self.last.listeners)
-        )
-        return Tracks(tuple(listeners), round(self.sample_rate), self.samples, self.start)
+        """The samples as tracks."""
+        listeners = tuple(map(ListenerTrack, self.listeners))
+        return Tracks(listeners, round(self.last.sample_rate), self.samples, self.start)
 
 
 def play(
@@ -92,7 +79,6 @@ def play(
     return Played(
         listeners=tuple(listener.name for listener in result.listeners),
         samples=np.concatenate(blocks, axis=1) if blocks else np.zeros((len(result.listeners), 0)),
-        sample_rate=result.sample_rate,
         start=seconds_of(scene, start),
         impacts=tuple(impacts),
         blender_milliseconds=np.array(blender),
