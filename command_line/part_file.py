@@ -27,7 +27,7 @@ from ..core.formats.io.scene_schema import SCENE
 from ..core.formats.io.schema import validate
 from ..core.formats.io.strict_json import parse_json
 from ..core.formats.scene.values_json import item_to_dict, read_listener, read_source
-from ..core.forms import Form, JsonObject
+from ..core.forms import Form
 from ..core.frozen import frozen
 from ..core.propagation import Propagation
 from ..core.regular_file import open_regular
@@ -143,16 +143,11 @@ def read_part(path: Path) -> Part:
     with open_regular(path) as file:
         try:
             with zipfile.ZipFile(file) as archive:
-                entries = {
-                    entry.filename.removesuffix(".npy"): entry for entry in archive.infolist()
+                entries = archive.infolist()
+                budget.take(sum(entry.file_size for entry in entries))
+                arrays = {
+                    entry.filename.removesuffix(".npy"): _array(archive, entry) for entry in entries
                 }
-                validate(
-                    {"arrays": {name: _form(archive, entry) for name, entry in entries.items()}},
-                    _SCHEMA,
-                    path,
-                )
-                budget.take(sum(entry.file_size for entry in entries.values()))
-                arrays = {name: _array(archive, entry) for name, entry in entries.items()}
         except FormatError:
             raise
         except (
@@ -165,6 +160,15 @@ def read_part(path: Path) -> Part:
             NotImplementedError,
         ) as error:
             raise FormatError(path, "/", f"no part of a bake, or damaged: {error}") from None
+    forms = {
+        name: {
+            "type": array.dtype.str,
+            "shape": list(array.shape),
+            "fortran": not array.flags.c_contiguous,
+        }
+        for name, array in arrays.items()
+    }
+    validate({"arrays": forms}, _SCHEMA, path)
     budget.take(_ROW * len(arrays["source"]) + _FRAME * len(arrays["time"]))
     header = parse_json(arrays.pop("header").tobytes(), path)
     validate({"header": header}, _SCHEMA, path)
@@ -177,22 +181,13 @@ def read_part(path: Path) -> Part:
         return _part(header, arrays)
 
 
-def _form(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> JsonObject:
-    """Type and shape of an array, as its entry begins."""
-    if entry.flag_bits & 1:
-        raise ValueError(f"{entry.filename} is encrypted")
+def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
+    """Read an array, with its checksum; it takes no more memory than the entry has bytes."""
     with archive.open(entry) as file:
         np.lib.format.read_magic(file)
         shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(file)
-    return {"type": dtype.str, "shape": list(shape), "fortran": is_fortran}
-
-
-def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
-    """Read an array, with its checksum."""
-    with archive.open(entry) as file:
-        np.lib.format.read_magic(file)
-        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
-        return np.frombuffer(file.read(entry.file_size), dtype=dtype).reshape(shape)
+        data = np.frombuffer(file.read(entry.file_size), dtype=dtype)
+        return data.reshape(shape, order="F" if is_fortran else "C")
 
 
 class _Table:
