@@ -70,7 +70,7 @@ class Study:
                 continue
             track = self._tracks[scene, condition] = read(path)
             listeners = [(one.name, one.body_part or one.name) for one in track.channels]
-            kinds.add((track.stored.rate, *listeners))
+            kinds.add((track.channels[0].sample_rate, *listeners))
             samples = np.asarray(track.stored)
             rms = np.sqrt((samples**2).mean(axis=1))
             levels.setdefault(condition, {})[scene] = rms.round(6).tolist()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import small_study
 from bounded_program import run as run_bounded
-from haptic_tracing.core.formats.tracks.wav import StoredSamples, read
+from haptic_tracing.core.formats.tracks.wav import read, stored_samples
 from haptic_tracing.core.perception import FullScale
 from haptic_tracing.study.people.plan import read_form
 from haptic_tracing.study.people.plan import stimuli as known
@@ -37,7 +37,7 @@ def test_films_and_tracks_are_rendered_once(tmp_path):
     files = known(tmp_path, read_form(tmp_path))
     assert files["Bench", ""].read_bytes()[:4] == bytes.fromhex("1a45dfa3")  # Matroska
     traced, everywhere = (
-        np.asarray(StoredSamples(files["Bench", name])) for name in ("traced", "everywhere")
+        stored_samples(files["Bench", name])[0] for name in ("traced", "everywhere")
     )
     # By definition the mode MN is the same at all listeners; HT is not.
     assert np.ptp(everywhere, axis=0).max() == 0 and np.abs(everywhere).max() > 0.01

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...forms import Form, JsonObject
 from ..io.error import FormatError
 from ..tracks.listener_tracks import ListenerTrack, Tracks
-from ..tracks.wav import FULL_SCALE, TYPES, StoredSamples, encoded
+from ..tracks.wav import FULL_SCALE, TYPES, encoded, stored_samples
 
 MAX_INLINE = 192 * 2**20
 """Maximum number of bytes of samples in a scene file itself."""
@@ -83,16 +83,15 @@ def _beside(form: Form, file: str | Path) -> NDArray[np.floating]:
     try:
         if path.exists() and not path.is_file():
             raise ValueError("is not a regular file")
-        stored = StoredSamples(path)
+        stored, rate = stored_samples(path)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise FormatError(file, place, f"{name}: {reason}") from None
-    channels, count = stored.shape
-    if stored.rate != form["sample_rate"] or channels != len(form["listeners"]):
+    if rate != form["sample_rate"] or len(stored) != len(form["listeners"]):
         wanted = f"{len(form['listeners'])} channels at {form['sample_rate']} Hz"
-        has = f"{name} has {channels} channels at {stored.rate:g} Hz"
+        has = f"{name} has {len(stored)} channels at {rate:g} Hz"
         raise FormatError(file, place, f"{has}, not {wanted}")
-    return np.asarray(stored[:, :count])
+    return stored
 
 
 def _inline(form: Form, file: str | Path) -> NDArray[np.floating]:

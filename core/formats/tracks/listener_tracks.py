@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,12 +63,10 @@ class ListenerTrack:
 
 
 class Row:
-    """The samples of one listener at ``sample_rate`` (hertz), read in pieces and clipped to ±1.
+    """The samples (n,) of one listener at ``sample_rate`` (hertz), read in pieces and clipped to
+    ±1."""
 
-    samples: one-dimensional, any sequence whose slices are arrays.
-    """
-
-    def __init__(self, samples: Any, sample_rate: int) -> None:
+    def __init__(self, samples: NDArray[np.floating], sample_rate: int) -> None:
         self._samples = samples
         self.count = len(samples)
         self.sample_rate = sample_rate

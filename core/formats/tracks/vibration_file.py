@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import FloatArray
 from ...frozen import frozen
@@ -28,15 +28,15 @@ class Channel:
     """One vibration of a file: the sum of ``carriers`` and of ``samples`` (n,) at ``sample_rate``
     (hertz), from time 0.
 
-    ``duration`` in seconds. ``samples`` may be any sequence whose slices are arrays. ``body_part``
-    is empty, and ``device``, the calibration of its device, None, if the file does not give it.
+    ``duration`` in seconds. ``body_part`` is empty, and ``device``, the calibration of its device,
+    None, if the file does not give it.
     Raises ValueError for values beyond the limits of signals.
     """
 
     name: str
     duration: float
     carriers: tuple[Carrier, ...] = ()
-    samples: Any = None
+    samples: NDArray[np.floating] | None = None
     sample_rate: float = 0.0
     body_part: str = ""
     device: FullScale | None = None
@@ -72,7 +72,7 @@ class Channel:
             raise ValueError(f"{self.name}: {len(self.carriers)} oscillations are too many at once")
         if self.samples is None:
             return rendered(self.carriers, 0, math.ceil(self.duration * sample_rate), sample_rate)
-        samples = np.asarray(self.samples[:], dtype=np.float64)
+        samples = np.asarray(self.samples, dtype=np.float64)
         samples = (
             samples
             if self.sample_rate == sample_rate
@@ -106,10 +106,9 @@ class Channel:
 class VibrationFile:
     """The vibrations of a file; ``losses``: ignored content, one sentence each.
 
-    ``stored``: the samples of all channels (n_channels, n) if the file has such a table; it may be
-    read in pieces.
+    ``stored``: the samples of all channels (n_channels, n) if the file has such a table.
     """
 
     channels: tuple[Channel, ...]
     losses: tuple[str, ...] = ()
-    stored: Any = None
+    stored: NDArray[np.floating] | None = None

@@ -4,6 +4,7 @@ listeners."""
 from __future__ import annotations
 
 import struct
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -11,7 +12,6 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import FloatArray
 from ...declaration import declared
 from ...forms import Form, JsonObject
 from ...perception import FullScale
@@ -223,85 +223,38 @@ def compare_encoded(encoding: str, measured: Comparison) -> None:
             measured.add(number, values)
 
 
-class StoredSamples:
-    """The samples (channels, n) of a WAV file, read on demand: ``[channel]``, ``[channel,
-    first:last]``, ``[:, first:last]``.
+def stored_samples(path: Path) -> tuple[NDArray[np.floating], float]:
+    """The samples (channels, n) of a WAV file and their rate [Hz]. They are in a temporary file,
+    which is removed with them, to save memory.
 
     Raises ValueError if the file is broken or has samples beyond ``MAX_SAMPLE``, and OSError.
     """
-
-    ndim = 2
-
-    def __init__(self, path: Path) -> None:
-        self._file = open_regular(path)
-        try:
-            self._wav = WavFile(self._file)
-            self.shape: tuple[int, ...] = (self._wav.channels, self._wav.count)
-            self.rate = self._wav.rate
-            for first in range(0, self._wav.count, CHUNK):
-                if not (np.abs(self[:, first : first + CHUNK]) <= MAX_SAMPLE).all():
-                    raise ValueError(f"has samples that are not finite or beyond ±{MAX_SAMPLE:g}")
-        except ValueError:
-            self._file.close()
-            raise
-
-    def __del__(self) -> None:
-        if hasattr(self, "_file"):
-            self._file.close()
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, key: Any) -> Any:
-        if isinstance(key, int):
-            return _StoredChannel(self, key)
-        channel, part = key
-        first, last, _ = part.indices(self.shape[1])
-        return self._wav.read(first, max(first, last)).T[channel]
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        return np.asarray(self[:, : self.shape[1]], dtype=dtype)
-
-
-class _StoredChannel:
-    """The samples of one channel, read by ``[first:last]``."""
-
-    ndim = 1
-
-    def __init__(self, samples: StoredSamples, channel: int) -> None:
-        self._samples = samples
-        self._channel = channel
-        self.shape = samples.shape[1:]
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, part: slice) -> FloatArray:
-        return np.asarray(self._samples[self._channel, part])
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        return np.asarray(self[:], dtype=dtype)
+    with open_regular(path) as file:
+        wav = WavFile(file)
+        kept = tempfile.TemporaryFile(prefix="haptic-tracks-")  # noqa: SIM115
+        for first in range(0, wav.count, CHUNK):
+            samples = wav.read(first, min(first + CHUNK, wav.count))
+            if not (np.abs(samples) <= MAX_SAMPLE).all():
+                raise ValueError(f"has samples that are not finite or beyond ±{MAX_SAMPLE:g}")
+            kept.write(samples.tobytes())
+    kept.flush()
+    return np.memmap(kept, dtype="<f8", mode="r", shape=(wav.count, wav.channels)).T, wav.rate
 
 
 def read(path: Path) -> VibrationFile:
-    """The channels, named by the side-car if there is one; their samples are read from the file in
-    pieces, when they are needed.
-
-    Raises FormatError or OSError.
-    """
+    """The channels, named by the side-car if there is one. Raises FormatError or OSError."""
     try:
-        stored = StoredSamples(path)
+        stored, rate = stored_samples(path)
     except ValueError as error:
         raise FormatError(path, "/", str(error)) from None
-    channels, count = stored.shape
-    named, losses = _named(path, channels)
+    named, losses = _named(path, len(stored))
     return VibrationFile(
         tuple(
             Channel(
                 name,
-                count / stored.rate,
+                stored.shape[1] / rate,
                 samples=stored[number],
-                sample_rate=stored.rate,
+                sample_rate=rate,
                 body_part=body_part,
                 device=device,
             )
