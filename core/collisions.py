@@ -436,7 +436,8 @@ class CollisionDetector:
             ] = True
             sounding[[row[name] for name in names if name in row]] = True
             sounding[self._sources.bodies] = True
-            sounding[[body for impact in frame.struck or () for body in impact.objects]] = True
+            for impact in frame.struck or ():
+                sounding[list(impact.objects)] = True
         return Endpoints(heard, sounding, self.paths and frame.settings.strategy in _ON_PATHS)
 
 

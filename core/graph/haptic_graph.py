@@ -641,14 +641,15 @@ def _check(table: ObjectTable, contacts: ContactSet) -> None:
 def _canonical(contacts: ContactSet, count: int) -> ContactSet:
     """Each pair's smaller object first, contacts sorted by objects, of which there are ``count``,
     then by position and all other fields."""
-    swapped = contacts.pairs[:, 0] > contacts.pairs[:, 1]
-    key = contacts.pairs @ (count, 1)
+    first, second = contacts.pairs.T
+    swapped = first > second
+    key = first * count + second
     if not swapped.any() and (key[1:] > key[:-1]).all():
         return contacts
     pairs: IntArray = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
     positions = np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions)
     normal = np.where(swapped[:, None], -contacts.normal, contacts.normal)
-    key = pairs @ (count, 1)
+    key = pairs[:, 0] * count + pairs[:, 1]
     order = key.argsort(kind="stable")
     if (key[order[1:]] == key[order[:-1]]).any():
         by_name = sorted(

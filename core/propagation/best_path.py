@@ -281,13 +281,14 @@ def _unconstrained_paths(
         return walks.found
     search = _Trees(graph, views, pairs)
     at_once = max(1, COSTS_AT_ONCE // max(1, graph.node_count))
-    for first in range(0, len(search.roots), at_once):
+    parts = range(0, len(search.roots), at_once)
+    for first in parts:
         part = slice(first, first + at_once)
         limits = np.full(len(search.roots[part]), walks.limit + SLACK)
         trees = shortest_paths(search.views[part], search.roots[part], limits, search.targets[part])
         result.relaxed += trees.relaxed
         result.visited = max(result.visited, trees.visited())
-        here = search.tree // at_once == first // at_once
+        here = slice(None) if len(parts) == 1 else search.tree // at_once == first // at_once
         walks.take(
             trees,
             pairs[here],

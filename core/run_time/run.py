@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from numbers import Real
 from typing import Any, TypeVar
 
 import numpy as np
@@ -145,7 +144,8 @@ class Run:
         >>> raised.levels["hand"].gains, raised.block.shape  # 1/8 s of samples at 8 kHz
         ({'drill': 0.75}, (1, 1000))
         """
-        if not (isinstance(time, Real) and math.isfinite(time)) or time == self._time:
+        is_number = isinstance(time, int | float | np.floating)
+        if not (is_number and math.isfinite(time)) or time == self._time:
             raise PlacedError(
                 ("time",),
                 f"must be a finite number, and other than that of the last step, got {time!r}",
@@ -168,7 +168,7 @@ class Run:
         return answer(
             result,
             self._history,
-            [body.name for body in self._bodies] if contacts is None else self.objects,
+            self._solid_names if contacts is None else self.objects,
         )
 
     def play(self, source: str) -> None:
@@ -326,6 +326,7 @@ class Run:
             if item.shape is not None
         ]
         self._bodies = tuple(body for _, body in self._solids)
+        self._solid_names = tuple(body.name for body in self._bodies)
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
         self._anchors = None
 
@@ -394,7 +395,7 @@ class Run:
     ) -> tuple[Impact, ...]:
         """The caller's impacts since the last step. given: whether contacts are given: all objects
         may then be hit, otherwise those with a shape."""
-        moving = list(self._objects) if given else [body.name for body in self._bodies]
+        moving = self.objects if given else self._solid_names
         begun = time if self._time is None else self._time
         return read_impacts(impacts, moving, self._objects, self.rules, (begun, time))
 
