@@ -4,16 +4,16 @@ Subsystems are objects, and regions of those that are larger than the length ove
 (`subsystems`). Derivation, units and limits are in ``docs/energy_balance.md``; in short, with
 energies E under power P at a source or listener:
 
-    m_i (Λ_i - 1 + s_i) E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / f_i(d_i)²,
+    m_i (Λ_i - 1 + s_i) E_i + Σ_j C_ij (E_i - E_j) = P_i,   Λ_i = 1 / mean of f_i(d_p)²,
     C_ij = Σ transmission² over the contacts of i and j, or m_i m_j f(d_ij)² Λ_i Λ_j between regions
     of one object,
 
-where f is the object's propagation function, d_i a typical distance between contacts of i, m_i the
-mass of a region in (0, 1], and s_i what an object keeps to itself beside its losses: 1 if it is
-large. Source and listener take up a third of 1 - s per energy of their objects; what arrives then
-is the squared gain, but for a term that makes it f² in an object alone. It is reciprocal and at
-most 1. The matrix is symmetric, strictly diagonally dominant and has no positive off-diagonal
-entry: there is always a solution.
+where f is the object's propagation function, d_p a typical distance from a contact p of i to the
+others, m_i the mass of a region in (0, 1], and s_i what an object keeps to itself beside its
+losses: 1 if it is large. Source and listener take up a third of 1 - s per energy of their objects;
+what arrives then is the squared gain, but for a term that makes it f² in an object alone. It is
+reciprocal and at most 1. The matrix is symmetric, strictly diagonally dominant and has no positive
+off-diagonal entry: there is always a solution.
 
 Source: R. H. Lyon, R. G. DeJong, *Theory and Application of Statistical Energy Analysis*,
 Butterworth-Heinemann 1995, chapters 2 and 3.
@@ -157,8 +157,8 @@ class _Assembly:
         observed: nodes (o,) at which energy is read.
     """
 
-    # A subsystem *passes* energy in a lane if its object's gain over its typical distance is not 0;
-    # *decay* is the reciprocal of that gain's square. *Ends* are the driven nodes, of which there
+    # A subsystem *passes* energy in a lane if its mean squared gain is not 0; *decay* is the
+    # reciprocal of that. *Ends* are the driven nodes, of which there
     # are ``_driven``, and then the observed ones.
 
     def __init__(self, graph: HapticGraph, driven: IntArray, observed: IntArray) -> None:
@@ -174,7 +174,7 @@ class _Assembly:
         reached[ends[: len(driven)]] = True
         self._contacts = contacts[reached[component[objects[:, 0]]]]
         self._parts = subsystems(graph, np.sort(self._contacts, axis=None))
-        through = self._squares(self._parts.of_object, self._parts.distance)
+        through = self._mean_squares()
         self._passes = through > 0
         self._decay = 1.0 / np.where(self._passes, through, 1.0)
         self._balance = self._equations()
@@ -187,6 +187,14 @@ class _Assembly:
         if self._lanes > 1:
             gains = np.concatenate([gains, gains * band_factors(self._graph, index, distance).T])
         return np.where(gains > 0, np.maximum(np.minimum(gains, 1.0) ** 2, UNDERFLOW), 0.0)
+
+    def _mean_squares(self) -> FloatArray:
+        """Means (lanes, r) of the squared gains of subsystems over the typical distances of their
+        contacts."""
+        parts = self._parts
+        squares = parts.part * self._squares(parts.of_object[parts.region], parts.away)
+        mean = added_by(parts.region, squares, len(parts.mass))
+        return np.where(mean > 0, np.maximum(mean, UNDERFLOW), 0.0)
 
     def _contact_squares(self, nodes: IntArray) -> FloatArray:
         """The square (lanes, c) of the gain of the contacts of nodes (c,)."""

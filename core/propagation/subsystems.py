@@ -66,7 +66,6 @@ class Subsystems:
     Attributes:
         of_object: (r,) object of each subsystem.
         centre: (r, 3) middle of its contacts [m].
-        distance: (r,) root mean square distance between two of its contacts [m].
         mass: (r,) in (0, 1]: of a region, the largest part of a contact in it, relative to the
             object's strongest contact; of an undivided object 1.
         uptake: (r,) power that it takes up per energy and mass if it loses nothing: `LEAST` in an
@@ -74,16 +73,19 @@ class Subsystems:
         node: (a,) contact nodes, sorted; a node is repeated for every region that it belongs to.
         region: (a,) the subsystem.
         weight: (a,) of that node, in (0, 1].
+        part: (a,) of the strengths of the subsystem's contacts, adding up to 1 in each.
+        away: (a,) typical distance to its other contacts [m].
     """
 
     of_object: IntArray
     centre: FloatArray
-    distance: FloatArray
     mass: FloatArray
     uptake: FloatArray
     node: IntArray
     region: IntArray
     weight: FloatArray
+    part: FloatArray
+    away: FloatArray
 
 
 def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
@@ -94,22 +96,39 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     slot = np.arange(len(begin)).repeat(size)
     strength = graph.weight[graph.contact[nodes]]
     position = graph.node_position[nodes]
+    on_object = _on_objects(graph, position, object_of)
     which, region, weight, of_object, divided, uptake = _attached(
-        graph, position, strength, used, slot, begin
+        graph, position, on_object, strength, used, slot, begin
     )
-    centre, distance, largest = _extents(
-        strength[which] * weight, position[which], region, len(of_object)
-    )
+    place = np.where(divided[region, None] > 0, position[which], on_object[which])
+    centre, part, away, largest = _extents(strength[which] * weight, place, region, len(of_object))
     strongest = np.maximum.reduceat(strength, begin)
     mass = np.where(
         divided, np.clip(largest / strongest[used.searchsorted(of_object)], LIGHTEST, 1.0), 1.0
     )
-    return Subsystems(of_object, centre, distance, mass, uptake, nodes[which], region, weight)
+    return Subsystems(of_object, centre, mass, uptake, nodes[which], region, weight, part, away)
+
+
+def _on_objects(graph: HapticGraph, position: FloatArray, index: IntArray) -> FloatArray:
+    """Places (n, 3) of contacts on objects ``index`` (n,), those beyond the bounding box at its
+    nearest point: an object damps no farther than it reaches."""
+    frames = graph.frames
+    shaped = np.flatnonzero(~np.isnan(frames.size[index, 0]))
+    if len(shaped) == 0:
+        return position
+    index = index[shaped]
+    axes, half = frames.axes[index], frames.size[index] / 2
+    along = (axes * (position[shaped] - frames.centre[index])[:, :, None]).sum(axis=1)
+    beyond = along - np.minimum(np.maximum(along, -half), half)
+    result = position.copy()
+    result[shaped] -= (axes * beyond[:, None]).sum(axis=2)
+    return result
 
 
 def _attached(
     graph: HapticGraph,
     position: FloatArray,
+    on_object: FloatArray,
     strength: FloatArray,
     used: IntArray,
     slot: IntArray,
@@ -120,6 +139,7 @@ def _attached(
     Args:
         graph: the scene.
         position: of the contacts (n, 3) [m].
+        on_object: the same, nowhere beyond their objects.
         strength: their weights (n,).
         used: objects with contacts (m,).
         slot: which of these each contact is on (n,), ascending.
@@ -138,7 +158,8 @@ def _attached(
         middle[unknown] = (first + last) / 2
         radius[unknown] = distances(first, last) / 2
     relative = np.minimum(np.maximum(position - middle[slot], -HIGHEST), HIGHEST)
-    farthest = np.maximum.reduceat(lengths(*relative.T), begin)
+    reach = np.minimum(distances(on_object, middle[slot]), HIGHEST)
+    farthest = np.maximum.reduceat(reach, begin)
     extent = np.minimum(2 * np.maximum(radius, farthest), HIGHEST)
     spacing = damping_lengths(graph.table, used, extent)
     divided = farthest > spacing / 2
@@ -335,23 +356,28 @@ def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
 
 def _extents(
     strength: FloatArray, position: FloatArray, region: IntArray, count: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Middle (r, 3) of the contacts of each region, the root mean square distance between two of
-    them (r,), and the largest strength.
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Extents of the contacts (a,) of ``count`` regions.
 
-    The mean is over pairs of different contacts, weighted by the product of their strengths. Where
-    these add up to less than one pair, as while a contact parts, the other contact counts with
-    itself as the rest.
+    The typical distance of a contact is that to the middle, in the ratio in which the root mean
+    square distance between two different contacts is to that from the middle: the distance between
+    two contacts, the root of 2 times that to the middle of many. Pairs are weighted by the product
+    of their strengths. Where these add up to less than one pair, as while a contact parts, the
+    other contact counts with itself as the rest.
+
+    Returns:
+        Middle (r, 3) of each region, parts (a,) of its strengths, typical distances (a,), and the
+        largest strength (r,).
     """
     strength = np.maximum(strength, np.finfo(np.float64).tiny)
     total = np.bincount(region, weights=strength, minlength=count)
     centre = (added_by(region, strength * position.T, count) / total).T.copy()
-    away = np.minimum(distances(position, centre[region]), HIGHEST)
-    moment = np.bincount(region, weights=strength * away * away, minlength=count)
     own = np.bincount(region, weights=strength * strength, minlength=count)
+    ratio = total * np.sqrt(2 / np.maximum(total * total - own, 2.0))
+    away = np.minimum(distances(position, centre[region]) * ratio[region], HIGHEST)
     largest = np.zeros(count)
     np.maximum.at(largest, region, strength)
-    return centre, np.sqrt(2 * total * moment / np.maximum(total * total - own, 2.0)), largest
+    return centre, strength / total[region], away, largest
 
 
 def damping_lengths(table: ObjectTable, index: IntArray, extent: FloatArray) -> FloatArray:

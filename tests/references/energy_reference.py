@@ -58,7 +58,7 @@ class Balance:
             self._attach(index, contacts)
         self.regions = sorted({region for weights in self.weights.values() for region in weights})
         self.number = {region: k for k, region in enumerate(self.regions)}
-        self.centre, self.distance, self.mass = {}, {}, {}
+        self.centre, self.away, self.mass = {}, {}, {}
         for index in self.contacts:
             self._measure(index)
 
@@ -77,6 +77,20 @@ class Balance:
                 -(decays[self.band] if decays else 0.0) * distance
             )
         return min(gain, 1.0) ** 2
+
+    def mean_squared(self, region: tuple) -> float:
+        """Mean squared gain over the typical distances of a region's contacts."""
+        return sum(part * self.squared(region[0], away) for part, away in self.away[region])
+
+    def on_object(self, index: int, place: Place) -> np.ndarray:
+        """The nearest place in the bounding box of an object that has one."""
+        frames = self.graph.frames
+        middle, axes = frames.centre[index], frames.axes[index]
+        if np.isnan(middle[0]):
+            return np.array(place)
+        along = axes.T @ (np.array(place) - middle)
+        half = frames.size[index] / 2
+        return middle + axes @ np.clip(along, -half, half)
 
     def length(self, index: int, extent: float) -> float:
         """Distance at which the plain gain has fallen to 1/e, by bisection."""
@@ -111,7 +125,7 @@ class Balance:
             ]
             middle = (ends[0] + ends[1]) / 2
             radius = math.dist(*ends) / 2
-        farthest = max(math.dist(c["place"], middle) for c in contacts)
+        farthest = max(math.dist(self.on_object(index, c["place"]), middle) for c in contacts)
         length = self.length(index, 2 * max(radius, farthest))
         self.uptake[index] = min(max(2 * radius / length - 1, LEAST), 1.0)
         for contact in contacts:
@@ -141,20 +155,19 @@ class Balance:
                 weight = contact["strength"] * self.weights[contact["node"]].get(region, 0.0)
                 if weight > 0:
                     total, moment = parts.get(contact["contact"], (0.0, np.zeros(3)))
-                    parts[contact["contact"]] = (
-                        total + weight,
-                        moment + weight * np.array(contact["place"]),
-                    )
+                    place = np.array(contact["place"])
+                    if region[1] is None:
+                        place = self.on_object(index, contact["place"])
+                    parts[contact["contact"]] = total + weight, moment + weight * place
             places = [(strength, moment / strength) for strength, moment in parts.values()]
             total = sum(strength for strength, _ in places)
             self.centre[region] = sum(strength * place for strength, place in places) / total
-            pairs = [
-                (a * b, float(np.sum((x - y) ** 2)))
-                for (a, x), (b, y) in itertools.permutations(places, 2)
+            pairs = sum(a * b for (a, _), (b, _) in itertools.permutations(places, 2))
+            ratio = math.sqrt(2 * total**2 / max(pairs, 2.0))
+            self.away[region] = [
+                (strength / total, ratio * math.dist(place, self.centre[region]))
+                for strength, place in places
             ]
-            self.distance[region] = math.sqrt(
-                sum(w * d for w, d in pairs) / max(sum(w for w, _ in pairs), 2.0)
-            )
             self.mass[region] = (
                 1.0
                 if region[1] is None
@@ -163,7 +176,7 @@ class Balance:
 
     def equations(self) -> tuple[list[float], dict[tuple[int, int], float], dict[int, float]]:
         """Dampings, couplings (both directions) and leaks to objects that transmit nothing."""
-        through = [self.squared(region[0], self.distance[region]) for region in self.regions]
+        through = [self.mean_squared(region) for region in self.regions]
         loss = [
             self.mass[r] / (f if f > 0 else 1.0) for r, f in zip(self.regions, through, strict=True)
         ]
@@ -286,9 +299,7 @@ def _level(
             for k in both
         }
         inside = {
-            k: 1 / balance.squared(index, balance.distance[balance.regions[k]])
-            for k in both
-            if balance.passes[k]
+            k: 1 / balance.mean_squared(balance.regions[k]) for k in both if balance.passes[k]
         }
         left = sum(put_in[k][0] * heard[k][0] * inside.get(k, 1.0) / kept[k] for k in both)
         spread = sum(put_in[k][1] * heard[k][1] / kept[k] for k in both)

@@ -19,6 +19,7 @@ from haptic_tracing.core.propagation import (
 )
 from haptic_tracing.core.propagation.conjugate_gradients import PowerBalance, solve
 from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, Identity, Linear
+from haptic_tracing.core.scene.measured import physical
 from haptic_tracing.core.scene.values import (
     Contact,
     HapticObject,
@@ -378,6 +379,32 @@ def test_a_size_changes_levels_gradually(count):
     assert np.abs(np.diff(levels)).max() < 0.1
     assert levels == sorted(levels, reverse=True)
     assert -6 < levels[-1] < levels[0] - 3
+
+
+@pytest.mark.parametrize("size", [(3.0, 2.3, 0.1), (60.0, 60.0, 0.2)])
+def test_a_pebble_far_away_changes_little(size):
+    """On a floor, at whose edge it then counts, and a slab of measured concrete that carry twelve
+    boxes within 3 m."""
+
+    def levels(places: list[tuple[float, ...]]) -> np.ndarray:
+        ground = HapticObject("ground", 0, 1, physical("concrete", size), shape=Box(size))
+        stone = physical("stone", (0.3, 0.3, 0.3))
+        boxes = [HapticObject(f"b{k:02d}", 0.1, 0.9, stone) for k in range(len(places))]
+        contacts = [
+            Contact(("ground", box.name), (place, place))
+            for box, place in zip(boxes, places, strict=True)
+        ]
+        heard = tuple(Listener(f"l{k:02d}", f"b{k:02d}", places[k]) for k in range(12))
+        source = Source("s", "b00", places[0])
+        scene = HapticScene((ground, *boxes), tuple(contacts), (source,), heard)
+        return 20 * np.log10(propagate(graph_of_scene(scene), CHOSEN).gain)
+
+    for seed in range(12):
+        spots = np.random.default_rng(seed).uniform(-1, 1, (12, 3)) * [1.5, 1.15, 0.0]
+        near = [tuple(spot) for spot in spots.tolist()]
+        alone = levels(near)
+        for away in (10.0, 27.0, 60.0, 200.0):
+            assert np.abs(levels([*near, (away, 0.0, 0.0)]) - alone).max() < 0.5
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)

@@ -161,10 +161,11 @@ def test_energies_from_authored_numbers(seed, count):
         ]
         damping, middles, least = [], [], mpmath.mpf(1) / 200
         for index, here in enumerate(places):
-            pairs = [apart(a, b) ** 2 for k, a in enumerate(here) for b in here[:k]]
-            typical = mpmath.sqrt(sum(pairs) / len(pairs)) if pairs else mpmath.mpf(0)
-            damping.append(1 / squared(index, typical) - 1 + least)
-            middles.append([sum(mpmath.mpf(p[k]) for p in here) / len(here) for k in range(3)])
+            number = len(here)
+            middles.append([sum(mpmath.mpf(p[k]) for p in here) / number for k in range(3)])
+            ratio = mpmath.sqrt(mpmath.mpf(2 * number) / max(number - 1, 1))
+            through = [squared(index, ratio * apart(p, middles[-1])) for p in here]
+            damping.append(number / sum(through) - 1 + least)
         matrix = mpmath.diag(damping)
         for (a, b), contact in zip(edges, contacts, strict=True):
             coupling = mpmath.mpf(contact.transmission.gain_value) ** 2
