@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import small_study
 from bounded_program import run as run_bounded
+from haptic_tracing.command_line import main
 from haptic_tracing.core.formats.tracks.wav import read, stored_samples
 from haptic_tracing.core.perception import FullScale
 from haptic_tracing.study.people.plan import read_form
@@ -30,9 +31,9 @@ frames = [1, 6]
 
 def test_films_and_tracks_are_rendered_once(tmp_path):
     (tmp_path / "study.toml").write_text(FORM)
-    command = [sys.executable, "-m", "haptic_tracing", "study", "run", "--participants", "2"]
-    command += ["--out", str(tmp_path), "--prepare"]
-    assert run_bounded(command, 900).returncode == 0
+    command = ["study", "run", "--participants", "2", "--out", str(tmp_path), "--prepare"]
+    program = [sys.executable, "-m", "haptic_tracing", *command]
+    assert run_bounded(program, 900).returncode == 0
     stimuli = tmp_path / "stimuli"
     files = known(tmp_path, read_form(tmp_path))
     assert files["Bench", ""].read_bytes()[:4] == bytes.fromhex("1a45dfa3")  # Matroska
@@ -48,5 +49,5 @@ def test_films_and_tracks_are_rendered_once(tmp_path):
     calibrated = [one.device for one in channels if one.device]
     assert calibrated == [FullScale(((40.0, 3.0), (160.0, 14.0)))]
     before = {path: path.stat().st_mtime_ns for path in stimuli.rglob("*")}
-    assert run_bounded(command, 900).returncode == 0
+    assert main(command) == 0
     assert {path: path.stat().st_mtime_ns for path in stimuli.rglob("*")} == before

@@ -124,7 +124,7 @@ def test_command_writes_everything(tmp_path):
         "haptic_tracing",
         "study",
         "--frames",
-        "60:80",
+        "64:72",
         "--out",
         str(tmp_path),
         "--pictures",

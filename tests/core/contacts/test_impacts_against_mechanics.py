@@ -81,7 +81,7 @@ def poses(*places, turns=None):
 
 
 @pytest.mark.slow
-@settings(max_examples=150, derandomize=True, deadline=None)
+@settings(max_examples=60, derandomize=True, deadline=None)
 @given(
     shape=st.sampled_from(sorted(SHAPES)),
     ground=st.sampled_from(sorted(GROUNDS)),

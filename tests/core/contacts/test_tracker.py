@@ -99,7 +99,7 @@ def assert_among(found, expected, atol):
 
 
 @pytest.mark.slow
-@settings(max_examples=25, derandomize=True, deadline=None)
+@settings(max_examples=10, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6))
 def test_reused_contacts_equal_fresh_ones(seed):
     bodies, sequence = crowd(seed, frames=8)
@@ -167,7 +167,7 @@ def test_contacts_begin_and_end_at_the_tolerance():
 
 
 @pytest.mark.slow
-@settings(max_examples=40, derandomize=True, deadline=None)
+@settings(max_examples=15, derandomize=True, deadline=None)
 @given(seed=st.integers(0, 10**6), density=st.sampled_from([0.05, 0.2, 0.5]))
 def test_contacts_on_the_way_from_sources_to_listeners_are_found(seed, density):
     """Of bodies that contacts join to a source and to a listener, all contacts are the same as when
@@ -233,7 +233,7 @@ def hopping(generator, frames, rate):
 
 
 @pytest.mark.slow
-@settings(max_examples=25, derandomize=True, deadline=None)
+@settings(max_examples=10, derandomize=True, deadline=None)
 @given(
     seed=st.integers(0, 10**6),
     rate=st.sampled_from([24.0, 60.0]),
