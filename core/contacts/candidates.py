@@ -11,7 +11,7 @@ from .body_poses import BodyPoses
 from .body_table import BodyTable
 from .contact_set import ContactSet
 from .narrow.body_patches import PairPatches
-from .narrow.frames import added, dot, smooth_step, turned, turned_back
+from .narrow.frames import dot, smooth_step, turned, turned_back
 
 _RESTING = 0.2
 """Part of the tolerance up to which a gap counts as that of bodies at rest; up to twice that,
@@ -135,7 +135,9 @@ class Candidates:
         values = self.values[: ON_LARGER.start].take(rows, axis=1)
         travel = place - values[_PLACE]
         change = turn - values[_TURN].reshape(3, 3, -1)
-        return np.sqrt(dot(travel, travel)) + radius * np.sqrt(added(dot(change, change)) / 2)
+        x, y, z = dot(change, change)
+        turned_by = np.sqrt((x + y + z) / 2)
+        return np.asarray(np.sqrt(dot(travel, travel)) + radius * turned_by)
 
     def store(
         self,

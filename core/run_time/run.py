@@ -339,7 +339,7 @@ class Run:
             moved = np.array([*poses.values()], dtype=np.float64).reshape(len(poses), 7)
             if not (np.abs(moved) <= _FARTHEST).all():
                 raise ValueError
-            length = _lengths(moved[:, 3:])
+            length = np.sqrt(sum(part * part for part in moved[:, 3:].T))
             if not (length > _SHORTEST).all():
                 raise ValueError
         except (TypeError, ValueError):
@@ -353,7 +353,8 @@ class Run:
     def _move(self, names: Sequence[str], moved: FloatArray, duration: float) -> None:
         """Set the poses (n, 7) of the named objects, ``duration`` seconds after the last step."""
         rows = np.array([self._row[name] for name in names], dtype=np.int64)
-        travel = _lengths(moved[:, :3] - self._poses[rows, :3, 3])
+        way = moved[:, :3] - self._poses[rows, :3, 3]
+        travel = np.sqrt((way * way).sum(axis=1))
         far = abs(duration) * _FASTEST
         fast = (travel > far / 2).nonzero()[0].tolist()
         self._anew |= {names[k] for k in fast if travel[k] > far} - self._fast
@@ -498,11 +499,6 @@ def _moved(
         item.moved(given.get(item.name, place))
         for item, place in zip(items.values(), places, strict=False)
     ]
-
-
-def _lengths(vectors: FloatArray) -> FloatArray:
-    """Lengths (n,) of vectors (n, k)."""
-    return np.asarray(np.sqrt((vectors * vectors).sum(axis=1)))
 
 
 def _check(message: str, **parts: Any) -> None:
