@@ -47,6 +47,13 @@ class ListenerMix:
             checked_method(self.method)
 
 
+def checked_rate(sample_rate: float) -> float:
+    """A rate at which samples can be rendered [Hz]. Raises ValueError."""
+    if not 100.0 <= sample_rate <= 192_000.0:
+        raise ValueError(f"sample_rate: must be from 100 to 192000, not {sample_rate:g}")
+    return float(sample_rate)
+
+
 def sample_index(seconds: float, sample_rate: float) -> int:
     """Return the first sample n with n / sample_rate >= seconds, a millionth of a sample of
     rounding in `seconds` forgiven."""
@@ -66,10 +73,8 @@ class Renderer:
     """
 
     def __init__(self, listeners: Sequence[ListenerMix], sample_rate: float = SAMPLE_RATE) -> None:
-        if not 100.0 <= sample_rate <= 192_000.0:
-            raise ValueError(f"sample_rate: must be from 100 to 192000, not {sample_rate:g}")
         self.listeners = tuple(listeners)
-        self.sample_rate = float(sample_rate)
+        self.sample_rate = checked_rate(sample_rate)
         s_max = np.array([listener.s_max for listener in self.listeners], dtype=np.float64)
         limited = np.array([listener.limiter for listener in self.listeners], dtype=bool)
         self._cut = np.where(limited, np.inf, s_max)[:, None]

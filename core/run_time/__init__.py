@@ -11,10 +11,13 @@ __all__ = ["Run", "Scene", "Step", "load", "loads", "open"]
 
 
 def open(scene: Scene, sample_rate: float = 8000.0) -> Run:
-    """A run of ``scene``, whose samples have ``sample_rate`` [Hz].
+    """A run of ``scene``, whose samples have ``sample_rate``, from 100 to 192,000 Hz. Raises
+    ValueError.
 
     >>> run = open(Scene(objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8}]))
     >>> run.objects
     ('bench',)
     """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"open: expected a Scene, as load(path) gives, not {scene!r:.60}")
     return Run(scene.content, sample_rate)

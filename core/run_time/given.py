@@ -1,10 +1,12 @@
-"""Contacts and impacts that the caller of a step has found."""
+"""What the caller gives: values with NumPy's arrays in them, contacts and impacts of a step."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
+
+import numpy as np
 
 from ..contacts.contact_set import ContactSet
 from ..contacts.impacts import Impact
@@ -15,6 +17,16 @@ from ..scene.values import Contact, HapticObject
 
 Objects = Mapping[str, HapticObject]
 """The objects of a run by name."""
+
+
+def plain(value: Any) -> Any:
+    """A value of dictionaries and lists, with the arrays and numbers of NumPy in it as lists and
+    numbers, as a file has them."""
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
 def contact_set(contacts: Sequence[Contact], objects: Iterable[str]) -> ContactSet:
@@ -30,7 +42,8 @@ def contact_set(contacts: Sequence[Contact], objects: Iterable[str]) -> ContactS
 def read_contacts(forms: Sequence[Mapping[str, Any]], objects: Iterable[str]) -> ContactSet:
     """Contacts as in a scene file. Raises PlacedError."""
     return contact_set(
-        [read_contact(form, ("contacts", number)) for number, form in enumerate(forms)], objects
+        [read_contact(form, ("contacts", number)) for number, form in enumerate(plain(forms))],
+        objects,
     )
 
 
@@ -56,7 +69,7 @@ def read_impacts(
     """
     numbers = {name: number for number, name in enumerate(moving)}
     found = []
-    for row, form in enumerate(forms):
+    for row, form in enumerate(plain(forms)):
         place: Place = ("impacts", row)
         for key in ("objects", "position"):
             if key not in form:

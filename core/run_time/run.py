@@ -19,10 +19,11 @@ from ..contacts.shapes import pose_matrix, rotation_matrix
 from ..formats.io.schema import validate
 from ..formats.scene.values_json import read_listener, read_object, read_source
 from ..render.history import History
+from ..render.renderer import checked_rate
 from ..scene.references import PlacedError, require_known, require_new
 from ..scene.values import HapticObject, HapticScene, Listener, Pose, Source, Trigger, TriggerKind
 from ..tracer import Tracer
-from .given import contact_set, read_contacts, read_impacts
+from .given import contact_set, plain, read_contacts, read_impacts
 from .step import Step, answer
 
 LONGEST_STEP = 0.25
@@ -53,7 +54,7 @@ class Run:
 
     def __init__(self, scene: HapticScene, sample_rate: float) -> None:
         self.settings, self.rules = scene.settings, scene.rules
-        self.sample_rate = sample_rate
+        self.sample_rate = checked_rate(sample_rate)
         self._objects: dict[str, HapticObject] = {}
         self._solids: list[tuple[HapticObject, Body]] = []
         # Of all sources, then of all listeners: the rows of their objects, and their positions in
@@ -216,7 +217,7 @@ class Run:
         >>> run.step(0.0).levels["foot"].gains
         {'drill': 0.25}
         """
-        _check("add", object=object, source=source, listener=listener)
+        object, source, listener = _valid("add", object=object, source=source, listener=listener)
         if object is not None:
             item = read_object(object, ("object",))
             require_new(item.name, self._objects, "object", ("object", "name"))
@@ -277,7 +278,9 @@ class Run:
         >>> run.step(0.0).levels["hand"].gains
         {'drill': 0.5}
         """
-        _check("replace", object=object, source=source, listener=listener)
+        object, source, listener = _valid(
+            "replace", object=object, source=source, listener=listener
+        )
         if object is not None:
             item = read_object(object, ("object",))
             require_known(item.name, self._objects, "object", ("object", "name"))
@@ -501,13 +504,16 @@ def _moved(
     ]
 
 
-def _check(message: str, **parts: Any) -> None:
-    """Raise FormatError unless the given parts are those of a valid message of the server."""
+def _valid(message: str, **parts: Mapping[str, Any] | None) -> list[dict[str, Any] | None]:
+    """The given parts with plain values. Raises FormatError unless they are those of a valid
+    message of the server."""
+    given: dict[str, dict[str, Any] | None] = plain(parts)
     validate(
-        {key: value for key, value in parts.items() if value is not None},
+        {key: value for key, value in given.items() if value is not None},
         f"run-time-1#{message}",
         message,
     )
+    return list(given.values())
 
 
 def _faulty(poses: Mapping[str, Sequence[float]]) -> str:

@@ -30,6 +30,7 @@ from ..render.frame_result import FrameResult
 from ..render.renderer import SAMPLE_RATE
 from ..scene.references import require_known
 from ..scene.values import Contact, HapticScene
+from .given import plain
 
 
 def load(path: str | Path) -> Scene:
@@ -59,8 +60,8 @@ class Scene:
     """A haptic scene: objects, contacts, sources, listeners and settings.
 
     ``content`` has its values, ``export`` all that its file holds, ``file`` names it in errors.
-    Args of the constructor: the lists and settings of a scene file, as dictionaries. The examples
-    of the methods go on with this ``scene``:
+    Args of the constructor: the lists and settings of a scene file, as dictionaries; NumPy's arrays
+    and numbers may stand in them. The examples of the methods go on with this ``scene``:
 
     >>> scene = Scene(
     ...     objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8,
@@ -71,7 +72,7 @@ class Scene:
     """
 
     def __init__(self, **parts: Any) -> None:
-        self._read({"format": FORMAT, "version": VERSION, "objects": [], **parts}, "scene")
+        self._read({"format": FORMAT, "version": VERSION, "objects": [], **plain(parts)}, "scene")
 
     @classmethod
     def of_document(cls, document: Any, file: str | Path) -> Scene:
@@ -90,6 +91,11 @@ class Scene:
     def of_values(cls, content: HapticScene) -> Scene:
         """A scene made of the core's values instead of read from a file."""
         return cls.of_document(scene_to_dict(content), "scene")
+
+    def __repr__(self) -> str:
+        lists = ("objects", "contacts", "sources", "listeners")
+        counts = ", ".join(f"{len(getattr(self.content, name))} {name}" for name in lists)
+        return f"<Scene of {counts}>"
 
     content: HapticScene
     export: Export

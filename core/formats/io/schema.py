@@ -284,7 +284,7 @@ def _shown(value: Any) -> str:
     if isinstance(value, list):
         return "an array"
     text = (
-        json.dumps(value)
+        json.dumps(value, default=repr)
         if not isinstance(value, int) or abs(value) < 10**_LONGEST_VALUE
         else "a huge number"
     )

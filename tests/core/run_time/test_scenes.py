@@ -10,6 +10,7 @@ import sys
 
 import haptic_tracing as ht
 import networkx
+import numpy as np
 import pytest
 
 
@@ -36,6 +37,28 @@ def chain(count, alpha=0.3):
 
 def test_a_gain_is_that_of_the_path_without_amplitude_and_gain_of_the_listener():
     assert ht.Scene(**chain(5)).gains() == {("drill", "hand"): pytest.approx(math.exp(-0.3 * 5))}
+
+
+def test_numbers_and_arrays_of_numpy_may_stand_in_dictionaries():
+    """Exact in single precision, so that both scenes are the same."""
+    parts = chain(3, 0.25)
+    parts["objects"][1]["kappa"] = np.float32(0.5)
+    parts["contacts"][0]["positions"] = np.array([[1, 0, 0], [1, 0, 0]])
+    parts["sources"][0]["position"] = np.zeros(3)
+    scene = ht.Scene(**parts)
+    assert scene.gains() == ht.Scene(**chain(3, 0.25)).gains()
+    run = ht.open(scene)
+    run.add(listener={"name": "foot", "object": "link 0", "position": np.array([1.0, 0, 0])})
+    assert run.step(0.0).levels["foot"].gains == {"drill": pytest.approx(math.exp(-0.25))}
+
+
+def test_what_is_no_scene_and_no_rate_is_named():
+    with pytest.raises(TypeError, match=r"as load\(path\) gives, not 'bench.json'"):
+        ht.open("bench.json")
+    with pytest.raises(ValueError, match="sample_rate: must be from 100 to 192000, not 0"):
+        ht.open(ht.Scene(), sample_rate=0)
+    with pytest.raises(ValueError, match=r"/objects/0/kappa: .*got \"\{1\}\""):
+        ht.Scene(objects=[{"name": "bench", "kappa": {1}, "rho": 0.5}])
 
 
 def test_gains_of_a_grid_are_those_of_networkx():
