@@ -37,6 +37,9 @@ _STEPS[list(b"[{")], _STEPS[list(b"]}")] = 1, -1
 
 _SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
 
+_BLENDER_FILES = b"BLENDER", b"\x28\xb5\x2f\xfd"
+"""How Blender's files begin, plain and compressed (by Zstandard)."""
+
 
 @frozen
 class _Misplaced:
@@ -94,6 +97,10 @@ def parse_json(data: bytes, file: str | Path) -> Any:
     """The document in ``data``, UTF-8 with or without byte order mark. Raises FormatError."""
     if not data.strip():
         raise FormatError(file, "/", "the file is empty")
+    if data.startswith(_BLENDER_FILES):
+        raise FormatError(
+            file, "/", "a Blender file, no JSON: export its haptic scene, or use trace or bake"
+        )
     try:
         text = data.removeprefix(codecs.BOM_UTF8).decode()
     except UnicodeDecodeError as error:

@@ -178,6 +178,7 @@ def test_damaged_values(corpus, tmp_path, suffix, data):
         (b"", "the file is empty"),
         (b" \n\t", "the file is empty"),
         (b"\xff\xfe{}", "not UTF-8: byte 0 is 0xff"),
+        (b"BLENDER17-01v0500", "a Blender file, no JSON: export its haptic scene"),
         (b"{", "not JSON: "),
         (b'{"a": 1,}', "not JSON: "),
         (b'{"a": 1} x', "not JSON: "),
