@@ -72,6 +72,8 @@ def haptic_instances(depsgraph: Depsgraph) -> Iterator[HapticInstance]:
             continue
         shown, instancer = instance.object.original, instance.parent.original
         assert shown is not None and instancer is not None
+        if shown == instancer and instance.persistent_id[1] == _UNUSED:
+            continue  # its own mesh, as Blender has that of curves, texts and metaballs
         owner = next((obj for obj in (shown, instancer) if counts(obj)), None)
         if owner is not None:
             number = ".".join(str(k) for k in reversed(instance.persistent_id) if k != _UNUSED)

@@ -188,3 +188,28 @@ def test_an_instance_without_a_surface_names_its_button(scene, add_empty):
     empty.instance_type = "NONE"
     with pytest.raises(RuntimeError, match="node Realize Instances"):
         bpy.ops.haptic.realize_instances()
+
+
+@pytest.mark.parametrize(
+    "add",
+    [
+        lambda: bpy.ops.object.text_add(),
+        lambda: bpy.ops.object.metaball_add(),
+        lambda: bpy.ops.surface.primitive_nurbs_surface_sphere_add(),
+        lambda: bpy.ops.curve.primitive_bezier_circle_add(),
+    ],
+    ids=["text", "metaball", "surface", "curve"],
+)
+def test_a_curve_or_text_is_one_object_beside_what_it_scatters(scene, add_box, add):
+    """Blender lists its mesh as an instance of itself."""
+    floor = add_box("floor", (0, 0, -0.1), (20, 20, 0.2), haptic=False)
+    add()
+    obj = bpy.context.object
+    make_haptic(floor, obj)
+    floor.haptics.source.enabled = True
+    assert set(traced().objects) == {"floor", obj.name}
+    if obj.type == "CURVE":
+        scatter(None, obj, as_mesh=True)
+        points = obj.data.splines[0].bezier_points
+        scattered = {f"{obj.name}: {obj.name} {k}.0" for k in range(len(points))}
+        assert set(traced().objects) == {"floor", obj.name, *scattered}
