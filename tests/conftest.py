@@ -69,10 +69,30 @@ def shared_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    times = config.getoption("--times-examples")
-    if times == 1:
-        return
+    if IS_WORKER:
+        _put_slow_files_first(items)
+    if config.getoption("--times-examples") > 1:
+        _take_more_examples(items, config.getoption("--times-examples"))
+
+
+def _put_slow_files_first(items: list[pytest.Item]) -> None:
+    """Of files run side by side the small and fast ones come last, so that none is still going on
+    alone when all others have ended."""
+    files: dict[Path, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.path, []).append(item)
+
+    def order(path: Path) -> tuple[float, int]:
+        own = files[path]
+        slow = sum(item.get_closest_marker("slow") is not None for item in own)
+        return -slow / len(own), -len(own)
+
+    items[:] = [item for path in sorted(files, key=order) for item in files[path]]
+
+
+def _take_more_examples(items: list[pytest.Item], times: int) -> None:
     changed = set()
     for item in items:
         function = getattr(item, "obj", None)
