@@ -393,7 +393,8 @@ def test_the_search_of_a_device_offers_the_profiles(machine):
 
 
 @pytest.mark.slow
-def test_ten_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, aud, tmp_path):
+@pytest.mark.parametrize("minutes", [2, pytest.param(10, marks=pytest.mark.more)])
+def test_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, aud, tmp_path, minutes):
     """No step takes long: each is one of 8 seconds of sound, with no more than 150 MB above the
     sound itself."""
     import tracemalloc
@@ -401,12 +402,12 @@ def test_ten_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, 
     t = np.arange(48000, dtype=np.float32) / 48000
     path = write_wav(
         tmp_path / "long.wav",
-        np.tile(0.3 * np.sin(2 * np.pi * 90 * t) * (np.sin(2 * np.pi * 1.0 * t) > 0), 600),
+        np.tile(0.3 * np.sin(2 * np.pi * 90 * t) * (np.sin(2 * np.pi * 1.0 * t) > 0), 60 * minutes),
         48000,
     )
     machine.haptics.source.sound.filepath = path
     work = sound_source.Conversion(scene, machine)
-    assert work.step_count == 150
+    assert work.step_count == 15 * minutes
     running = job.Job("Converting", work.step_count, work.steps(), lambda running: [])
     assert running.advance(0.0) is None
     running.cancel()
@@ -414,8 +415,8 @@ def test_ten_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, 
         running.advance(0.0)
     assert machine.haptics.source.sound.kept == ""
     tracemalloc.start()
-    assert sum(1 for _ in sound_source.Conversion(scene, machine).steps()) == 150
-    assert tracemalloc.get_traced_memory()[1] < (600 * 16000 * 4 + 150e6)
+    assert sum(1 for _ in sound_source.Conversion(scene, machine).steps()) == 15 * minutes
+    assert tracemalloc.get_traced_memory()[1] < (60 * minutes * 16000 * 4 + 150e6)
     tracemalloc.stop()
-    assert len(machine.haptics.source.sound.kept) < 2e6
-    assert signal_of(scene).of.duration == pytest.approx(600.0, abs=0.02)
+    assert len(machine.haptics.source.sound.kept) < 2e5 * minutes
+    assert signal_of(scene).of.duration == pytest.approx(60.0 * minutes, abs=0.02)
