@@ -429,6 +429,7 @@ def test_a_part_that_would_become_gigabytes_is_refused(small_part):
         read_part(path)
 
 
+@pytest.mark.slow
 def test_a_large_part_of_equal_gains_is_read_again(tmp_path):
     """It is stored without compression, which would make it too small for its content."""
     saws = tuple(Source(f"saw {n}", "box", (0.0, 0.0, 0.0), 0.3) for n in range(1000))

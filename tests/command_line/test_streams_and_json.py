@@ -182,7 +182,13 @@ def test_a_sound_becomes_a_signal_in_a_pipe(sound, piped, tmp_path):
     assert json.loads(text) == json.loads((tmp_path / "signal.json").read_text())
 
 
-@pytest.mark.parametrize("name", ["sound", "devices", "validate", "export", "propagate", "sample"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("sound", "devices", "validate", "export", "propagate"),
+        pytest.param("sample", marks=pytest.mark.slow),
+    ],
+)
 def test_with_json_stdout_is_one_object(name, scene, sound, piped, tmp_path):
     """Blender's own lines would be beside it in a process alone."""
     arguments = {

@@ -193,6 +193,7 @@ def test_a_box_on_a_slab(parts, below, gap):
     assert area == pytest.approx(0.12, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parts", [1, 6])
 def test_patches_are_continuous(parts):
     """A concave body that sinks, tilts and slides on a slab: no step of the patch is larger than a
