@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..changes.events import disabled
 from ..session.derived import Background
 from .hud import Hud
-from .render_data import Drawn, Symbol
+from .render_data import Symbol
 
 Pixels = NDArray[np.float32]
 Colour = tuple[float, float, float]
@@ -60,21 +60,9 @@ def unmeasured(words: str, size: float) -> float:
     return 0.0
 
 
-def blank() -> Pixels:
-    """An empty picture."""
-    return np.zeros((SIZE, SIZE, 4), dtype=np.float32)
-
-
-def tint(pixels: Pixels, colour: Colour | Drawn, alpha: float | NDArray[Any]) -> None:
-    """Blend a colour over pixels (..., 4) with opacity ``alpha``, a number or (...)."""
-    cover = np.broadcast_to(np.asarray(alpha, dtype=np.float32), pixels.shape[:-1])[..., None]
-    pixels *= 1 - cover
-    pixels += cover * np.array([*colour, 1.0], dtype=np.float32)
-
-
 def painted(items: Hud) -> Pixels:
     """The plates and lines of a layout of `SIZE` points, without its texts and symbols."""
-    pixels = blank()
+    pixels = np.zeros((SIZE, SIZE, 4), dtype=np.float32)
     lines = items.lines
     for (start, end), colour, width, shape in zip(
         lines.position[:, :, :2], lines.colour[:, 0], lines.width, lines.shape, strict=True
@@ -98,7 +86,9 @@ def painted(items: Hud) -> Pixels:
             away = (
                 np.hypot(x - start[0] - along * way[0], y - start[1] - along * way[1]) - width / 2
             )
-        tint(pixels[bottom:top, left:right], colour[:3], colour[3] * np.clip(0.5 - away, 0, 1))
+        cover = (colour[3] * np.clip(0.5 - away, 0, 1))[..., None].astype(np.float32)
+        part = pixels[bottom:top, left:right]
+        part += cover * (np.array([*colour[:3], 1.0], dtype=np.float32) - part)
     return pixels
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .panel_picture import SIZE, Colour, Picture, Pixels, blank, tint
+from .hud import HudBuilder
+from .panel_picture import SIZE, Colour, Picture, Pixels, painted, unmeasured
 
 _picture = Picture()
 
@@ -16,22 +17,18 @@ def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
     waves: equally many values of the sound and of the vibration, one byte each in hexadecimal, or
     empty.
     """
-    pixels = blank()
+    builder = HudBuilder(1.0, unmeasured)
     try:
-        values = np.frombuffer(bytes.fromhex(waves), dtype=np.uint8)
+        values = np.frombuffer(bytes.fromhex(waves), dtype=np.uint8) / 255
     except ValueError:
-        return pixels
-    if not len(values) or len(values) % 2:
-        return pixels
-    from_middle = np.abs(np.arange(SIZE) - (SIZE - 1) / 2)[:, None]
-    for wave, shade, opacity in zip(
-        values.reshape(2, -1)[::-1] / 255, (colour, ink), (0.8, 0.5), strict=True
-    ):
-        heights = np.interp(np.linspace(0, 1, SIZE), np.linspace(0, 1, len(wave)), wave) * (
-            SIZE / 2 - 2
-        )
-        tint(pixels, shade, opacity * np.clip(heights + 0.5 - from_middle, 0.0, 1.0))
-    return pixels
+        values = np.zeros(0)
+    if len(values) and not len(values) % 2:
+        sound, vibration = values.reshape(2, -1)
+        for wave, shade in ((vibration, (*colour, 0.8)), (sound, (*ink, 0.5))):
+            places = np.interp(np.linspace(0, 1, SIZE), np.linspace(0, 1, len(wave)), wave)
+            for x, height in enumerate((places * (SIZE / 2 - 2)).tolist()):
+                builder.plate((x, SIZE / 2 - height), (x + 1, SIZE / 2 + height), shade, 0.0)
+    return painted(builder.build())
 
 
 def icon(waves: str, colour: Colour, ink: Colour) -> int:
