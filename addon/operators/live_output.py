@@ -144,10 +144,6 @@ def _calibrations() -> dict[str, tuple[Profile, Actuator]]:
     }
 
 
-def _calibrated_actuators(self: Operator, context: Context, typed: str) -> list[str]:
-    return sorted(_calibrations())
-
-
 class HAPTIC_OT_calibrate_listener(OnActive, Operator):
     """Copy what this listener's device does at full scale from the device's profile"""
 
@@ -158,7 +154,7 @@ class HAPTIC_OT_calibrate_listener(OnActive, Operator):
     actuator: text(
         "Actuator",
         "Device and actuator; only profiles with a full_scale are listed",
-        search=_calibrated_actuators,
+        search=lambda self, context, typed: sorted(_calibrations()),
     )
 
     def invoke(self, context: Context, event: Event) -> set[str]:

@@ -6,8 +6,6 @@ A drawn signal therefore has a name and users, can be an asset, and can be appen
 
 from __future__ import annotations
 
-from typing import Any
-
 from bpy.props import CollectionProperty, PointerProperty
 from bpy.types import NodeTree, PropertyGroup
 
@@ -47,18 +45,13 @@ class HapticDrawing(PropertyGroup):
     emphases: CollectionProperty(type=HapticEmphasis)
 
 
-def _is_drawing(_: Any, tree: NodeTree) -> bool:
-    """Whether a node group is a drawn signal."""
-    return tree.haptics.is_signal
-
-
 def drawing_property() -> PointerProperty[NodeTree]:
     """The choice of a drawn signal."""
     return reference(
         NodeTree,
         "Drawn Signal",
         "The signal that is drawn",
-        poll=_is_drawing,
+        poll=lambda self, tree: tree.haptics.is_signal,
         options=set(),
         update=changed,
     )

@@ -12,10 +12,6 @@ from .callbacks import updating
 from .kinds import limited, reference, share, switch, text
 
 
-def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
-    mark_actuators()
-
-
 def _preview_changed(self: HapticLiveOutputProperties, context: Context) -> None:
     preview_adjusted(self)
 
@@ -96,5 +92,5 @@ class HapticActuatorProperties(PropertyGroup):
         "Actuators",
         "Empty: those at its body part; -: none; otherwise device/actuator or "
         "device/actuator*gain, separated by semicolons",
-        update=_actuators_chosen,
+        update=lambda self, context: mark_actuators(),
     )
