@@ -15,7 +15,7 @@ from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
 from .cues import Cue
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
-from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, RenderData, Symbol
+from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, Place, RenderData, Size, Symbol
 
 _PADDING = (6.0, 4.0)
 _GAP = 5.0  # points between a place's symbol and its label
@@ -36,7 +36,7 @@ NAMES = {
 def placed_annotations(
     data: RenderData,
     perspective: FloatArray,
-    size: tuple[float, float],
+    size: Size,
     scale: float,
     free: Rectangle,
     occupied: Sequence[Rectangle] = (),
@@ -101,7 +101,7 @@ def _add_cues(
         builder.text(cue.words, _start(left, bottom), FAINT_INK)
 
 
-def _start(left: float, bottom: float) -> tuple[float, float]:
+def _start(left: float, bottom: float) -> Place:
     """Where the text on a plate begins."""
     return left + _PADDING[0], bottom + _PADDING[1] + 1.2
 
@@ -117,7 +117,7 @@ def _add_labels(
     builder: HudBuilder,
     data: RenderData,
     perspective: FloatArray,
-    size: tuple[float, float],
+    size: Size,
     free: Rectangle,
     occupied: FloatArray,
 ) -> None:

@@ -13,6 +13,7 @@ from ...core.arrays import FloatArray
 from ..blender.words import said
 from . import paths
 from .hud import Rectangle
+from .render_data import Place
 
 _ARROWS = (
     *("\N{RIGHTWARDS ARROW}", "\N{NORTH EAST ARROW}", "\N{UPWARDS ARROW}", "\N{NORTH WEST ARROW}"),
@@ -26,7 +27,7 @@ class Cue(NamedTuple):
     sight."""
 
     words: str
-    place: tuple[float, float]
+    place: Place
 
 
 def cues_of(context: Context, perspective: FloatArray, free: Rectangle) -> tuple[Cue, ...]:
@@ -56,7 +57,7 @@ def cues_of(context: Context, perspective: FloatArray, free: Rectangle) -> tuple
 
 def _place(
     position: FloatArray, perspective: FloatArray, size: tuple[int, int], free: Rectangle
-) -> tuple[tuple[float, float], str]:
+) -> tuple[Place, str]:
     """The pixels of a homogeneous ``position`` (4,), and an arrow to it if it is outside ``free``,
     at whose edge the pixels then are."""
     clip = perspective @ position

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.frozen import frozen
 from ..blender.text import Measure, shortened, text_width
-from .render_data import Lines, Symbol, joined, lines_of
+from .render_data import Lines, Place, Symbol, joined, lines_of
 
 TEXT_SIZE = 11.0
 SMALL_TEXT = 0.86 * TEXT_SIZE
@@ -26,7 +26,7 @@ class PlacedText:
     """A text with the start of its baseline at ``position`` [pixels]."""
 
     words: str
-    position: tuple[float, float]
+    position: Place
     size: float
     colour: tuple[float, float, float]
 

@@ -6,6 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray
+from .hud import Rectangle
+from .render_data import Size
 
 # Candidate centres of a label, in halves of its extent plus a distance: right, left, above, below,
 # then the diagonals; near, then far.
@@ -21,7 +23,7 @@ _COST_OF_DISTANCE = 6  # cost of the next distance, in covered pixels of a path
 _COST_OF_CONFUSION = 15  # cost of being nearer to another label's anchor than to its own
 
 
-def project(position: FloatArray, perspective: FloatArray, size: tuple[float, float]) -> FloatArray:
+def project(position: FloatArray, perspective: FloatArray, size: Size) -> FloatArray:
     """Pixels (n, 2) of positions (n, 3) under ``perspective`` (4, 4), world to clip space; NaN
     behind the viewer and out of sight."""
     clip = np.column_stack([position, np.ones(len(position))]) @ perspective.T
@@ -44,7 +46,7 @@ def place_labels(
     anchor: FloatArray,
     extent: FloatArray,
     clearance: FloatArray,
-    room: tuple[float, float, float, float],
+    room: Rectangle,
     occupied: FloatArray,
     paths: FloatArray,
 ) -> FloatArray:
@@ -77,7 +79,7 @@ def place_labels(
     )
     cost += _COST_OF_CONFUSION * _nearer_to_another(edges, anchor)
     free = _free(edges, room, occupied.reshape(-1, 4))
-    placed: list[tuple[float, float, float, float]] = []
+    placed: list[Rectangle] = []
     orders = np.argsort(cost, axis=1, kind="stable").tolist()
     for k, (order, places) in enumerate(zip(orders, rectangles.tolist(), strict=True)):
         for number in order:
@@ -97,9 +99,7 @@ def place_labels(
 # Rectangles are given by their ``edges`` (4, n, s): n labels at s candidates.
 
 
-def _free(
-    edges: FloatArray, room: tuple[float, float, float, float], occupied: FloatArray
-) -> BoolArray:
+def _free(edges: FloatArray, room: Rectangle, occupied: FloatArray) -> BoolArray:
     """Whether each rectangle lies inside ``room`` and outside ``occupied`` (m, 4)."""
     x0, y0, x1, y1 = edges
     result = (x0 >= room[0]) & (y0 >= room[1]) & (x1 <= room[2]) & (y1 <= room[3])
@@ -118,9 +118,7 @@ def _nearer_to_another(edges: FloatArray, anchor: FloatArray) -> BoolArray:
     return np.asarray(squared.min(axis=2) < own)
 
 
-def _covered(
-    edges: FloatArray, paths: FloatArray, room: tuple[float, float, float, float]
-) -> FloatArray:
+def _covered(edges: FloatArray, paths: FloatArray, room: Rectangle) -> FloatArray:
     """Number of pixels ``paths`` (k, 2) in each rectangle, to within a cell at its edges: a
     summed-area table of cells."""
     ends = np.maximum(np.ceil(np.array(room[2:]) / _CELL), 1).astype(np.int64)

@@ -40,6 +40,7 @@ from .lane_layout import (
 )
 from .layout import pixels_per_point
 from .levels import LEVEL_SECONDS
+from .render_data import Place
 from .screen import Recent, Uploaded, draw_flat, uploaded
 from .watched import active_name, watched
 
@@ -106,7 +107,7 @@ class _Shown(NamedTuple):
     under: Uploaded
     shapes: tuple[tuple[Any, tuple[float, ...]], ...]
     over: Uploaded
-    marks: tuple[tuple[Mark, tuple[float, float]], ...]
+    marks: tuple[tuple[Mark, Place], ...]
     impacts: FloatArray
 
 
@@ -324,7 +325,7 @@ def _batch(kind: str, corners: Any) -> Any:
     return batch_for_shader(program, kind, {"pos": corners})
 
 
-def under(context: Context, mouse: tuple[float, float]) -> Mark | None:
+def under(context: Context, mouse: Place) -> Mark | None:
     """The one-shot within reach of the mouse [pixels of the region]."""
     known: _Shown | None = _shown.get(context.region.as_pointer())
     if known is None or not context.scene.haptics.meters.show_lane:

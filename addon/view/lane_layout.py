@@ -12,7 +12,7 @@ import numpy as np
 from ...core.arrays import BoolArray, FloatArray
 from ...core.render.lane import height_of
 from .hud import SMALL_TEXT, Hud, HudBuilder
-from .render_data import Drawn, Symbol
+from .render_data import Drawn, Place, Symbol
 
 # Points at a user interface scale of 1.
 _ROW, _LEAST_ROW, _GAP = 36.0, 11.0, 1.0
@@ -102,7 +102,7 @@ def grounds(rows: Sequence[LaneRow], width: float, colours: Colours) -> Hud:
 
 def names(
     rows: Sequence[LaneRow],
-    marks: Sequence[tuple[float, float]],
+    marks: Sequence[Place],
     hidden: int,
     colours: Colours,
     scale: float,

@@ -17,7 +17,7 @@ from ..blender.words import said
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
 from .levels import FLOOR, Level, place_of
-from .render_data import SOURCE_COLOUR
+from .render_data import SOURCE_COLOUR, Place, Size
 
 Colour = tuple[float, ...]
 
@@ -113,7 +113,7 @@ class _Layout:
 def meter_hud(
     levels: Sequence[Level],
     scope: Scope | None,
-    room: tuple[float, float],
+    room: Size,
     scale: float,
     title: str = "",
     *,
@@ -165,7 +165,7 @@ def meter_hud(
 def _layout(
     levels: Sequence[Level],
     scope: Scope | None,
-    room: tuple[float, float],
+    room: Size,
     names: float,
     body: bool,
 ) -> _Layout | None:
@@ -202,9 +202,7 @@ def _strongest(levels: Sequence[Level], most: int) -> tuple[Level, ...]:
     return tuple(levels[k] for k in sorted(chosen))
 
 
-def _add_heads(
-    builder: HudBuilder, corner: tuple[float, float], title: str, columns: _ColumnWidths
-) -> None:
+def _add_heads(builder: HudBuilder, corner: Place, title: str, columns: _ColumnWidths) -> None:
     """Add the title, the scale of the bars, and the column headings."""
     x = corner[0]
     base = corner[1] - 12
@@ -228,9 +226,7 @@ def _add_heads(
         builder.text(words, (values + columns.level, base), FAINT_INK, SMALL_TEXT)
 
 
-def _add_row(
-    builder: HudBuilder, corner: tuple[float, float], level: Level, columns: _ColumnWidths
-) -> None:
+def _add_row(builder: HudBuilder, corner: Place, level: Level, columns: _ColumnWidths) -> None:
     """Add name, bar and values of a listener. The bar is the level, the white mark the peak, the
     orange one the threshold of feeling."""
     x, y = corner
@@ -264,9 +260,7 @@ def _add_row(
         )
 
 
-def add_scope(
-    builder: HudBuilder, corner: tuple[float, float], extent: tuple[float, float], scope: Scope
-) -> None:
+def add_scope(builder: HudBuilder, corner: Place, extent: Size, scope: Scope) -> None:
     """The last second in a box of ``extent``: for every column the range between its
     lowest and highest sample, the latest at the right."""
     (left, low), width = corner, extent[0]
@@ -325,7 +319,7 @@ def spans(scope: Scope, count: int) -> tuple[IntArray, FloatArray, FloatArray]:
 
 def add_body(
     builder: HudBuilder,
-    corner: tuple[float, float],
+    corner: Place,
     height: float,
     parts: Mapping[str, Level],
     spots: Sequence[Spot],

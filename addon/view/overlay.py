@@ -31,7 +31,7 @@ from .hud import Rectangle
 from .layout import camera_frame, free_rectangle, is_main_view, pixels_per_point, redo_panels
 from .options import options_of
 from .quads import Quads, quads
-from .render_data import Options, RenderData, render_data
+from .render_data import Options, RenderData, Size, render_data
 from .screen import Recent, draw_flat, uploaded
 
 HIDDEN = 0.15  # opacity of parts hidden by objects, where the graph is not drawn in front
@@ -123,7 +123,7 @@ def draw_graph(
     drawing: GraphDrawing,
     projection: Any,
     view: Any,
-    size: tuple[float, float],
+    size: Size,
     scale: float,
     *,
     xray: bool,
@@ -174,7 +174,7 @@ def depth_bias(projection: Any, units: float) -> tuple[float, float]:
 def draw_annotations(
     drawing: GraphDrawing,
     perspective: FloatArray,
-    size: tuple[float, float],
+    size: Size,
     scale: float,
     free: Rectangle,
     occupied: tuple[Rectangle, ...] = (),

@@ -23,6 +23,10 @@ from ...core.scene.values import Listener, Mode, Settings, Source, SourceKind
 from .colour_map import AmplitudeScale, hex_colour
 
 Drawn = NDArray[np.float32]
+Place = tuple[float, float]
+"""Across and up."""
+Size = tuple[float, float]
+"""Width and height."""
 
 
 class Symbol(IntEnum):

@@ -13,6 +13,7 @@ from mathutils import Matrix
 from . import shader
 from .hud import Hud, PlacedText
 from .quads import quads_of
+from .render_data import Size
 
 
 class Recent(dict[Any, Any]):
@@ -40,7 +41,7 @@ def uploaded(items: Hud) -> Uploaded:
     return Uploaded(shader.upload(quads_of(items.lines)), items.texts)
 
 
-def draw_flat(shown: Uploaded, size: tuple[float, float], scale: float) -> None:
+def draw_flat(shown: Uploaded, size: Size, scale: float) -> None:
     """Draw in pixels of a viewport of ``size``."""
     pixels = pixels_to_clip(size)
     gpu.state.depth_test_set("NONE")
@@ -58,6 +59,6 @@ def draw_flat(shown: Uploaded, size: tuple[float, float], scale: float) -> None:
             blf.draw(0, text.words)
 
 
-def pixels_to_clip(size: tuple[float, float]) -> Matrix:
+def pixels_to_clip(size: Size) -> Matrix:
     """From pixels of a viewport to clip space."""
     return Matrix(((2 / size[0], 0, 0, -1), (0, 2 / size[1], 0, -1), (0, 0, 1, 0), (0, 0, 0, 1)))

@@ -12,7 +12,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .quads import ATTRIBUTES, Quads
-from .render_data import LAYERS, Symbol
+from .render_data import LAYERS, Size, Symbol
 
 _DISTANCES = {
     Symbol.CONTACT: "disc",
@@ -87,7 +87,7 @@ def upload(quads: Quads) -> GPUBatch | None:
 def draw(
     batch: GPUBatch,
     matrix: Matrix,
-    size: tuple[float, float],
+    size: Size,
     *,
     pixels_per_point: float,
     bias: tuple[float, float] = (0.0, 0.0),

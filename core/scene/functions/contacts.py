@@ -10,7 +10,7 @@ from ...arrays import FloatArray
 from ...declaration import number
 from ...frozen import frozen
 from ..bands import BAND_CENTRES
-from .modulation import ModulationFunction, OnContact, Value
+from .modulation import LogLinear, ModulationFunction, OnContact, Value
 
 
 @frozen(kw_only=True)
@@ -100,7 +100,7 @@ class Resilient(ModulationFunction):
         passed = (1 + damped) / ((1 - ratio) ** 2 + damped) if ratio != 1 or damped else math.inf
         return float(min(1.0, passed) ** (self.fall_off / 24))
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
         return max(map(self.transmissibility, BAND_CENTRES)), 0.0
 
     def band_gains(self) -> tuple[float, ...]:

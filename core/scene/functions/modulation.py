@@ -25,6 +25,8 @@ from .expression import MAX_LENGTH, CompiledExpression, compile_expression
 from .spreading import NO_SPREADING, Law
 
 Value = float | FloatArray
+LogLinear = tuple[float, float]
+"""Factor and decay of a gain ``factor * exp(-decay * d)``."""
 OnContact = Mapping[str, Value] | None
 """Quantities of a contact by the names of the variables of expressions."""
 
@@ -113,7 +115,7 @@ class ModulationFunction(Declared):
     """Whether gains of another form than `log_linear` may exceed 1."""
     spectrum: Spectrum = field(default_factory=Spectrum)
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear | None:
         """``(factor, decay)`` where the gain is ``factor * exp(-decay * d)``, times that of
         `spreading_law`; None for another form."""
         return None
@@ -190,7 +192,7 @@ class Identity(ModulationFunction):
 
     name, label, about = "identity", "Identity", "Passes everything on unchanged"
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
         return 1.0, 0.0
 
 
@@ -203,7 +205,7 @@ class Constant(ModulationFunction):
         0.5, "Gain", "The gain over any distance", 0.0, soft=(0.0, 1.0), key="gain"
     )
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
         return self.gain_value, 0.0
 
 
@@ -222,7 +224,7 @@ class Exponential(ModulationFunction):
         digits=3,
     )
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
         return 1.0, self.alpha
 
 
@@ -234,7 +236,7 @@ class HapticTracing(ModulationFunction):
     name, label = "haptic_tracing", "Haptic Tracing"
     about = "K e^(-max(K, ε) d) with K = (1 - κ) ρ: fades with distance as the two properties say"
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
         k = transfer_coefficient(kappa, rho)
         return k, max(k, epsilon)
 
@@ -366,7 +368,7 @@ class Conduction(ModulationFunction):
         unit="W/(m²·K)",
     )
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float]:
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
         return 1.0, math.sqrt(2.0 * self.exchange / (self.conductivity * self.thickness))
 
 

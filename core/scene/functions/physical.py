@@ -12,7 +12,7 @@ from ...declaration import choice, number, switch
 from ...frozen import frozen
 from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
-from .modulation import ModulationFunction, OnContact, Value
+from .modulation import LogLinear, ModulationFunction, OnContact, Value
 from .spreading import NO_SPREADING, Law, Spreading
 
 _FELT = 0.06
@@ -222,7 +222,7 @@ class Physical(ModulationFunction):
         damped = np.where(away > 0, self.damping(BAND_CENTRES[0], kappa, rho), 0.0) * away
         return self.spreading(away) * np.exp(-damped)
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> tuple[float, float] | None:
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear | None:
         decay = float(self.damping(BAND_CENTRES[0], kappa, rho))
         return (1.0, decay) if decay < math.inf else None
 
