@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, ClassVar, NamedTuple
 
-from bpy.types import Context, Object
+from bpy.types import Context, Object, Operator
 
 from .words import Told, told
 
@@ -67,8 +67,8 @@ class Refused(Told):
     """The reason for which an operator does nothing, reported as a warning, not as an error."""
 
 
-class Action:
-    """Mixin: an operator. Its name in Blender is that of its class, haptic.add_rule for
+class Action(Operator):
+    """An operator. Its name in Blender is that of its class, haptic.add_rule for
     HAPTIC_OT_add_rule, and ``apply`` does its work: ValueError and OSError are reported; a return
     value is passed to Blender."""
 
@@ -98,29 +98,29 @@ class Action:
             self.report({"WARNING" if isinstance(error, Refused) else "ERROR"}, str(error))
             return {"CANCELLED"}
 
-    def tell(self: Any, words: str, *values: object) -> None:
+    def tell(self, words: str, *values: object) -> None:
         """Report what was done."""
         self.report({"INFO"}, told(words, *values))
 
-    def warn(self: Any, words: str, *values: object) -> None:
+    def warn(self, words: str, *values: object) -> None:
         """Report what was not done."""
         self.report({"WARNING"}, told(words, *values))
 
 
 class Edit(Action):
-    """Mixin: an operator that edits the file, in Object Mode."""
+    """An operator that edits the file, in Object Mode."""
 
     bl_options = UNDO
     needs: ClassVar[Needs] = (OBJECT_MODE,)
 
 
 class OnSelected(Edit):
-    """Mixin: such an operator on the selected objects."""
+    """Such an operator on the selected objects."""
 
     needs: ClassVar[Needs] = (OBJECT_MODE, SELECTED)
 
 
 class OnActive(Edit):
-    """Mixin: such an operator on the active object."""
+    """Such an operator on the active object."""
 
     needs: ClassVar[Needs] = (OBJECT_MODE, *ACTIVE)

@@ -7,7 +7,7 @@ from typing import Any
 
 import bmesh
 import bpy
-from bpy.types import Context, Object, Operator, Scene
+from bpy.types import Context, Object, Scene
 from mathutils import Matrix, Vector
 
 from ...core.scene.materials import MATERIALS
@@ -33,7 +33,7 @@ SOURCE_ITEMS = tuple(
 SAMPLE_ITEMS = tuple((sample.name, sample.title, sample.description) for sample in SAMPLES.values())
 
 
-class HAPTIC_OT_add_source_object(Edit, Operator):
+class HAPTIC_OT_add_source_object(Edit):
     """Add a haptic source at the 3D cursor: an empty on the active object if that is haptic, otherwise a small body"""
 
     bl_label = "Add Haptic Source"
@@ -88,7 +88,7 @@ def _link(context: Context, obj: Object) -> None:
     context.view_layer.objects.active = obj
 
 
-class HAPTIC_OT_make_one_shot(OnActive, Operator):
+class HAPTIC_OT_make_one_shot(OnActive):
     """Play a blast once per trigger, now if Trigger is not animated yet; in a medium it spreads as a pressure front"""
 
     bl_label = "Play Once"
@@ -137,7 +137,7 @@ def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
         material.use_delay = True
 
 
-class HAPTIC_OT_add_medium(Edit, Operator):
+class HAPTIC_OT_add_medium(Edit):
     """Add a medium around the selected objects, or at the 3D cursor; it transmits vibration between all objects that it overlaps"""
 
     bl_label = "Add Medium"
@@ -186,7 +186,7 @@ class HAPTIC_OT_add_medium(Edit, Operator):
         materials.make_haptic(context.scene, {obj: material})
 
 
-class HAPTIC_OT_add_sample(Edit, Operator):
+class HAPTIC_OT_add_sample(Edit):
     """Add a sample scene to this file as a new scene"""
 
     bl_label = "Add Sample Scene"

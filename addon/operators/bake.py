@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bpy.props import IntProperty
-from bpy.types import Context, Operator
+from bpy.types import Context
 
 from ..bake import baking, curves, sound, storage, takes
 from ..blender import job
@@ -11,7 +11,7 @@ from ..blender.polling import UNDO, Action, Edit, Need
 from ..changes.redraw import redraw_viewports
 
 
-class HAPTIC_OT_bake(Edit, Operator):
+class HAPTIC_OT_bake(Edit):
     """Trace the frame range in order and store the result in the file, to be played without tracing"""
 
     bl_label = "Bake Haptics"
@@ -27,7 +27,7 @@ def _is_baked(context: Context) -> bool:
     return bake.track is not None or bake.sound is not None
 
 
-class HAPTIC_OT_delete_bake(Edit, Operator):
+class HAPTIC_OT_delete_bake(Edit):
     """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was kept as a take is removed from the takes"""
 
     bl_label = "Delete Bake"
@@ -42,7 +42,7 @@ class HAPTIC_OT_delete_bake(Edit, Operator):
         redraw_viewports()
 
 
-class HAPTIC_OT_keep_take(Edit, Operator):
+class HAPTIC_OT_keep_take(Edit):
     """Store this bake under a name, so that the next one does not replace it"""
 
     bl_label = "Keep as Take"
@@ -59,7 +59,7 @@ class HAPTIC_OT_keep_take(Edit, Operator):
         takes.keep(context.scene)
 
 
-class HAPTIC_OT_play_take(Action, Operator):
+class HAPTIC_OT_play_take(Action):
     """Play this take whenever the timeline plays, and compare it with the one played before"""
 
     bl_label = "Play Take"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Object, Operator
+from bpy.types import Context, Object
 
 from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
@@ -16,7 +16,7 @@ from .materials import BODY_ITEMS
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
 
 
-class HAPTIC_OT_add_default_listeners(OnActive, Operator):
+class HAPTIC_OT_add_default_listeners(OnActive):
     """Put listeners on the active object: on the bones of an armature, or where a standing body that fills the object has its parts"""
 
     bl_label = "Add Body Listeners"
@@ -114,7 +114,7 @@ def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:
     return [part for part in wanted if part.name not in known]
 
 
-class HAPTIC_OT_mirror_listeners(OnSelected, Operator):
+class HAPTIC_OT_mirror_listeners(OnSelected):
     """Copy the selected listeners to the other side of the body: their settings, and a new listener where there is none"""
 
     bl_label = "Mirror Listeners"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import bpy
-from bpy.types import Context, Event, Operator, Scene, UILayout
+from bpy.types import Context, Event, Scene, UILayout
 
 from ...core.design import felt, recordings, wishes
 from ...core.scene import spectra
@@ -44,7 +44,7 @@ missed."""
 _CHOOSE = "Choose two recordings, a source, a listener and an object first"
 
 
-class HAPTIC_OT_make_felt(Edit, Operator):
+class HAPTIC_OT_make_felt(Edit):
     """Raise what the selected listeners feel above the threshold of feeling, by as few changes as possible, which are shown first"""
 
     bl_label = "Make It Felt"
@@ -264,7 +264,7 @@ def _make(scene: Scene, change: felt.Change) -> None:
     )
 
 
-class HAPTIC_OT_design_by_wish(Edit, Operator):
+class HAPTIC_OT_design_by_wish(Edit):
     """Choose κ of the free materials, and ρ where that is not enough, so that the listeners with a wish have the wished level"""
 
     bl_label = "Fulfil Wishes"
@@ -358,7 +358,7 @@ def _is_chosen(context: Context) -> bool:
     return all(getattr(chosen, name) for name in names)
 
 
-class HAPTIC_OT_fit_material(Action, Operator):
+class HAPTIC_OT_fit_material(Action):
     """Set the loss of a material, and the gain of a contact, so that the scene transmits vibration as two recordings show"""
 
     bl_label = "Fit Material"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.props import StringProperty
-from bpy.types import Context, Event, Operator, UILayout
+from bpy.types import Context, Event, UILayout
 from bpy_extras.io_utils import ExportHelper
 
 from ...core.formats import haptic_scene, registry
@@ -33,7 +33,7 @@ LINE = 34
 MOST_REPORTED = 12
 
 
-class RangeExport(Action, ExportHelper):
+class RangeExport(ExportHelper):
     """Mixin: an export of a range of frames, optionally of one collection, with its losses shown beforehand."""
 
     frame_start: whole("Start", "First frame", 1, FRAMES)
@@ -101,7 +101,7 @@ class RangeExport(Action, ExportHelper):
         column.prop(self, "frame_end")
 
 
-class HAPTIC_OT_export_scene(Operator, RangeExport):
+class HAPTIC_OT_export_scene(RangeExport, Action):
     """Write the haptic objects, sources, listeners and contacts as a haptic scene"""
 
     bl_idname = "export_scene.haptic_scene"
@@ -247,7 +247,7 @@ def _property(option: Option) -> Any:
             return limited(*words, default, (option.minimum, option.maximum), precision=3)
 
 
-class HAPTIC_OT_export_tracks(Operator, RangeExport):
+class HAPTIC_OT_export_tracks(RangeExport, Action):
     """Write what the haptic listeners feel over a range of frames"""
 
     bl_idname = "export_scene.haptic_tracks"
@@ -290,7 +290,7 @@ class HAPTIC_OT_export_tracks(Operator, RangeExport):
         return self.captured(context, False, True, write)
 
 
-class HAPTIC_OT_export_engine(Operator, RangeExport):
+class HAPTIC_OT_export_engine(RangeExport, Action):
     """Write the scene as glTF, its haptics with the same names, and what is felt in a form that plays without Blender"""
 
     bl_idname = "export_scene.haptic_engine"
@@ -330,7 +330,7 @@ class HAPTIC_OT_export_engine(Operator, RangeExport):
         )
 
 
-class HAPTIC_OT_copy_methods(Action, Operator):
+class HAPTIC_OT_copy_methods(Action):
     """Copy a paragraph for a paper on how this frame is traced: program, settings, scene and its digest"""
 
     bl_label = "Copy Methods"

@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 from bpy.props import StringProperty
-from bpy.types import Context, Event, Object, Operator
+from bpy.types import Context, Event, Object
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
@@ -22,7 +22,7 @@ from .exporting import MOST_REPORTED
 from .signals import convert_sound
 
 
-class _FromFile(Edit):
+class _FromFile:
     """Mixin: an import of a file that is chosen in the file browser, or dropped, after which there are only the options."""
 
     filepath: StringProperty(name="File Path", subtype="FILE_PATH", options={"HIDDEN", "SKIP_SAVE"})
@@ -37,7 +37,7 @@ class _FromFile(Edit):
         return {"RUNNING_MODAL"}
 
 
-class HAPTIC_OT_import_scene(_FromFile, Operator):
+class HAPTIC_OT_import_scene(_FromFile, Edit):
     """Make objects, sources and listeners of a haptic scene; what changes over time becomes keyframes"""
 
     bl_idname = "import_scene.haptic_scene"
@@ -58,7 +58,7 @@ class HAPTIC_OT_import_scene(_FromFile, Operator):
         self.tell("Haptic scene imported: {}", Path(self.filepath).name)
 
 
-class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
+class HAPTIC_OT_import_signal(_FromFile, OnActive):
     """Let the active object emit the vibration in a file; it is kept with this file"""
 
     bl_label = "Import Haptic Signal"
@@ -89,7 +89,7 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive, Operator):
         )
 
 
-class HAPTIC_OT_import_sound(_FromFile, OnActive, Operator):
+class HAPTIC_OT_import_sound(_FromFile, OnActive):
     """Let the active object emit the vibration of a sound, which Sound to Vibration converts; it is kept with this file"""
 
     bl_label = "Import Sound"

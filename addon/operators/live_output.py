@@ -27,7 +27,7 @@ _AUTOMATIC, _NONE = "AUTOMATIC", "NONE"
 _items: list[tuple[str, str, str, str, int]] = []  # Blender keeps no copy of dynamic items
 
 
-class HAPTIC_OT_find_devices(Action, Operator):
+class HAPTIC_OT_find_devices(Action):
     """Look for haptic devices that are connected to this computer"""
 
     bl_label = "Find Devices"
@@ -38,7 +38,7 @@ class HAPTIC_OT_find_devices(Action, Operator):
         refresh.start()
 
 
-class HAPTIC_OT_connect_device(Action, Operator):
+class HAPTIC_OT_connect_device(Action):
     """Let listeners be felt through this device while the timeline plays"""
 
     bl_label = "Connect"
@@ -60,7 +60,7 @@ class HAPTIC_OT_connect_device(Action, Operator):
         refresh.start()
 
 
-class HAPTIC_OT_disconnect_device(Action, Operator):
+class HAPTIC_OT_disconnect_device(Action):
     """Silence and disconnect the device"""
 
     bl_label = "Disconnect"
@@ -72,7 +72,7 @@ class HAPTIC_OT_disconnect_device(Action, Operator):
         outputs.disconnect(self.device)
 
 
-class HAPTIC_OT_copy_udev_rule(Action, Operator):
+class HAPTIC_OT_copy_udev_rule(Action):
     """Copy the udev rule that permits the use of this device; the panel says where to put it"""
 
     bl_label = "Copy udev Rule"
@@ -109,7 +109,7 @@ def _choices(self: Operator, context: Context | None) -> list[tuple[str, str, st
     return _items
 
 
-class HAPTIC_OT_choose_actuator(Action, Operator):
+class HAPTIC_OT_choose_actuator(Action):
     """Actuator of this listener; choose several one after the other"""
 
     bl_label = "Actuator"
@@ -144,7 +144,7 @@ def _calibrations() -> dict[str, tuple[Profile, Actuator]]:
     }
 
 
-class HAPTIC_OT_calibrate_listener(OnActive, Operator):
+class HAPTIC_OT_calibrate_listener(OnActive):
     """Copy what this listener's device does at full scale from the device's profile"""
 
     bl_label = "Calibrate by Profile"
@@ -175,7 +175,7 @@ class HAPTIC_OT_calibrate_listener(OnActive, Operator):
         listener.full_scale_source = f"{profile.title}: {actuator.full_scale_source}"
 
 
-class HAPTIC_OT_toggle_preview(Action, Operator):
+class HAPTIC_OT_toggle_preview(Action):
     """Play what the listeners feel as sound while the timeline plays, which Blender does by itself if no device is connected; or stay silent"""
 
     bl_label = "Hear It"
@@ -193,7 +193,7 @@ class HAPTIC_OT_toggle_preview(Action, Operator):
         preview.adjust(context.scene.haptics.live_output)
 
 
-class HAPTIC_OT_panic(Action, Operator):
+class HAPTIC_OT_panic(Action):
     """Silence and disconnect all devices at once, and switch the preview off"""
 
     bl_label = "Stop All Output"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bpy.app.translations import pgettext_tip
-from bpy.types import Context, Event, Operator
+from bpy.types import Context, Event
 
 from ...core.scene.materials import MATERIALS
 from ..authoring import materials as library
@@ -66,7 +66,7 @@ class _OnMaterial(Edit):
     needs = (*Edit.needs, Need(_has_active, "Choose a material of the library first"))
 
 
-class HAPTIC_OT_apply_material(OnSelected, Operator):
+class HAPTIC_OT_apply_material(OnSelected):
     """Assign a material to objects; they share it, so that editing it changes all of them"""
 
     bl_label = "Apply Material"
@@ -112,7 +112,7 @@ class HAPTIC_OT_apply_material(OnSelected, Operator):
             self.warn("{} linked objects can't be changed; override them first", linked)
 
 
-class HAPTIC_OT_guess_material(OnSelected, Operator):
+class HAPTIC_OT_guess_material(OnSelected):
     """Guess from names, shapes and masses what the selected objects are made of"""
 
     bl_label = "Guess Material"
@@ -129,7 +129,7 @@ class HAPTIC_OT_guess_material(OnSelected, Operator):
         return {"FINISHED"} if known else {"CANCELLED"}
 
 
-class HAPTIC_OT_match_materials(OnSelected, Operator):
+class HAPTIC_OT_match_materials(OnSelected):
     """Choose the haptic material for each Blender material of the selected objects, once; Make Haptic and Guess Material then use it"""
 
     bl_label = "Match Materials"
@@ -160,7 +160,7 @@ class HAPTIC_OT_match_materials(OnSelected, Operator):
         )
 
 
-class HAPTIC_OT_set_model(Edit, Operator):
+class HAPTIC_OT_set_model(Edit):
     """Choose between measured materials and the paper's model for the whole scene: functions of all objects made of presets, contacts of flesh, and the strategy; objects made later follow"""
 
     bl_label = "Model"
@@ -189,7 +189,7 @@ class HAPTIC_OT_set_model(Edit, Operator):
         self.tell("{} of {} haptic objects are made of a preset", known, len(objects))
 
 
-class HAPTIC_OT_set_bodies(Edit, Operator):
+class HAPTIC_OT_set_bodies(Edit):
     """Choose how all objects of flesh damp vibration; other objects keep their functions"""
 
     bl_label = "Bodies"
@@ -208,7 +208,7 @@ class HAPTIC_OT_set_bodies(Edit, Operator):
             )
 
 
-class HAPTIC_OT_new_material(OnActive, Operator):
+class HAPTIC_OT_new_material(OnActive):
     """Add a material with the values of the active object to the library, and assign it to that object"""
 
     bl_label = "New Material"
@@ -219,7 +219,7 @@ class HAPTIC_OT_new_material(OnActive, Operator):
         library.apply([obj], item)
 
 
-class HAPTIC_OT_copy_material(_OnMaterial, Operator):
+class HAPTIC_OT_copy_material(_OnMaterial):
     """Duplicate the active material of the library, without its objects"""
 
     bl_label = "Copy Material"
@@ -229,7 +229,7 @@ class HAPTIC_OT_copy_material(_OnMaterial, Operator):
         library.copy(context.scene, materials.items[materials.active])
 
 
-class HAPTIC_OT_remove_material(_OnMaterial, Operator):
+class HAPTIC_OT_remove_material(_OnMaterial):
     """Remove the active material from the library; its objects keep their values"""
 
     bl_label = "Remove Material"
@@ -242,7 +242,7 @@ class HAPTIC_OT_remove_material(_OnMaterial, Operator):
         materials.active = max(0, min(materials.active, len(materials.items) - 1))
 
 
-class HAPTIC_OT_unlink_material(OnActive, Operator):
+class HAPTIC_OT_unlink_material(OnActive):
     """Give the active object its own values, initially those of its material"""
 
     bl_label = "Own Values"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bpy.types import Context, Operator
+from bpy.types import Context
 
 from ...core.scene.materials import texture_in
 from ..blender.polling import Edit
@@ -14,7 +14,7 @@ from ..properties.kinds import choice, switch
 from ..properties.rules import TABLES
 
 
-class _OfTable(Edit):
+class _OfTable:
     """Mixin: an operator on one of the tables."""
 
     table: choice("Table", "The table of the scene", TABLES, options={"HIDDEN"})
@@ -23,7 +23,7 @@ class _OfTable(Edit):
         return getattr(context.scene.haptics, self.table)
 
 
-class HAPTIC_OT_add_rule(_OfTable, Operator):
+class HAPTIC_OT_add_rule(_OfTable, Edit):
     """Add a rule for just the two selected objects; else for the material of the active object, for that object, or for anything"""
 
     bl_label = "Add Rule"
@@ -48,7 +48,7 @@ class HAPTIC_OT_add_rule(_OfTable, Operator):
         mark_changed()
 
 
-class HAPTIC_OT_add_textures(Edit, Operator):
+class HAPTIC_OT_add_textures(Edit):
     """Add a rule with the library's texture for each material that haptic objects are made of and that has none"""
 
     bl_label = "Textures of Materials"
@@ -86,7 +86,7 @@ def _write_texture(row: Any, texture: Mapping[str, float]) -> None:
         setattr(row, name, value)
 
 
-class HAPTIC_OT_remove_rule(_OfTable, Operator):
+class HAPTIC_OT_remove_rule(_OfTable, Edit):
     """Remove the active rule"""
 
     bl_label = "Remove Rule"
@@ -98,7 +98,7 @@ class HAPTIC_OT_remove_rule(_OfTable, Operator):
         mark_changed()
 
 
-class HAPTIC_OT_move_rule(_OfTable, Operator):
+class HAPTIC_OT_move_rule(_OfTable, Edit):
     """Move the active rule; of equally specific rules the upper one counts"""
 
     bl_label = "Move Rule"

@@ -31,7 +31,7 @@ class _OnDrawing(OnActive):
     needs = (*OnActive.needs, Need(_has_drawing, "Draw a signal of this file first"))
 
 
-class HAPTIC_OT_draw_signal(OnActive, Operator):
+class HAPTIC_OT_draw_signal(OnActive):
     """Draw the signal of the active source as curves: a new drawn signal that begins with what it emits now"""
 
     bl_label = "New"
@@ -42,7 +42,7 @@ class HAPTIC_OT_draw_signal(OnActive, Operator):
         source.signal = "DRAWN"
 
 
-class HAPTIC_OT_shape_envelope(_OnDrawing, Operator):
+class HAPTIC_OT_shape_envelope(_OnDrawing):
     """Draw an envelope that rises, falls to a level, stays there and ends"""
 
     bl_label = "Shape Envelope"
@@ -57,7 +57,7 @@ class HAPTIC_OT_shape_envelope(_OnDrawing, Operator):
         drawings.shape_envelope(tree, self.attack, self.decay, self.sustain, self.release)
 
 
-class HAPTIC_OT_switch_envelopes(_OnDrawing, Operator):
+class HAPTIC_OT_switch_envelopes(_OnDrawing):
     """Edit the drawn signal as F-curves in the Graph Editor, or make these its curves again"""
 
     bl_label = "To F-Curves"
@@ -70,7 +70,7 @@ class HAPTIC_OT_switch_envelopes(_OnDrawing, Operator):
         switch(context.object, tree.haptics, context.scene)
 
 
-class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
+class HAPTIC_OT_edit_emphasis(_OnDrawing):
     """Add an emphasis, a short burst like a click, or remove it"""
 
     bl_label = "Add Emphasis"
@@ -89,7 +89,7 @@ class HAPTIC_OT_edit_emphasis(_OnDrawing, Operator):
             emphases.add().place = last + 0.1
 
 
-class HAPTIC_OT_convert_sound(OnActive, Operator):
+class HAPTIC_OT_convert_sound(OnActive):
     """Make vibration of the sound; it is kept with this file, so convert again after changing the sound or these settings"""
 
     bl_label = "Convert Sound"
@@ -111,7 +111,7 @@ def convert_sound(operator: Operator, context: Context, obj: Object) -> set[str]
     return job.run(operator, context, conversion)
 
 
-class HAPTIC_OT_hear_signal(OnActive, Operator):
+class HAPTIC_OT_hear_signal(OnActive):
     """Hear a signal through the speaker"""
 
     bl_label = "Hear"
@@ -127,7 +127,7 @@ class HAPTIC_OT_hear_signal(OnActive, Operator):
         )
 
 
-class HAPTIC_OT_use_signal(OnActive, Operator):
+class HAPTIC_OT_use_signal(OnActive):
     """Let the active source emit this signal of the library"""
 
     bl_label = "Use Signal"
@@ -146,7 +146,7 @@ class HAPTIC_OT_use_signal(OnActive, Operator):
             source.drawing, source.signal = tree, "DRAWN"
 
 
-class HAPTIC_OT_save_signal(OnActive, Operator):
+class HAPTIC_OT_save_signal(OnActive):
     """Keep the signal of the active source in the library, for all files"""
 
     bl_label = "Save to Library"

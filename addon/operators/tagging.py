@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-from bpy.types import Context, Event, Object, Operator, Scene
+from bpy.types import Context, Event, Object, Scene
 from mathutils import Vector
 
 from ...core.scene.materials import is_wide_and_flat
@@ -48,7 +48,7 @@ def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     return sum(material is not None for material in guesses.values())
 
 
-class HAPTIC_OT_make_objects(OnSelected, Operator):
+class HAPTIC_OT_make_objects(OnSelected):
     """Let vibration pass through the selected objects; what they are made of is guessed from their names, shapes and masses"""
 
     bl_label = "Make Haptic"
@@ -97,7 +97,7 @@ class HAPTIC_OT_make_objects(OnSelected, Operator):
             self.tell(words, len(solid), known)
 
 
-class HAPTIC_OT_make_object(OnActive, Operator):
+class HAPTIC_OT_make_object(OnActive):
     """Let vibration pass through this object; what it is made of is guessed from its name, shape and mass"""
 
     bl_label = "Haptic Object"
@@ -128,7 +128,7 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
         body.mass = metres**-3  # 1 kg
 
 
-class HAPTIC_OT_add_source(OnActive, Operator):
+class HAPTIC_OT_add_source(OnActive):
     """Make the active object a haptic source: it emits a signal into the objects that it touches"""
 
     bl_label = "Add Source"
@@ -178,7 +178,7 @@ def make_source(obj: Object, signal: str) -> None:
         source.signal = signal
 
 
-class HAPTIC_OT_add_listener(OnSelected, Operator):
+class HAPTIC_OT_add_listener(OnSelected):
     """Make the selected objects haptic listeners: what arrives at their origins is felt"""
 
     bl_label = "Add Listener"
@@ -205,7 +205,7 @@ class HAPTIC_OT_add_listener(OnSelected, Operator):
             raise ValueError(linked_message(chosen))
 
 
-class HAPTIC_OT_use_real_surface(Edit, Operator):
+class HAPTIC_OT_use_real_surface(Edit):
     """Let the surface that is seen touch others, instead of the convex hull around it"""
 
     bl_label = "Use Real Surface"
@@ -223,7 +223,7 @@ class HAPTIC_OT_use_real_surface(Edit, Operator):
             obj.haptics.surface = "SEEN"
 
 
-class HAPTIC_OT_use_unit_scale(Edit, Operator):
+class HAPTIC_OT_use_unit_scale(Edit):
     """Let lengths, speeds, masses and gravity be those that Blender shows with the scene's unit scale, instead of a metre per unit"""
 
     bl_label = "Use Unit Scale"
@@ -232,7 +232,7 @@ class HAPTIC_OT_use_unit_scale(Edit, Operator):
         context.scene.haptics.use_unit_scale = True
 
 
-class HAPTIC_OT_set_gravity(Edit, Operator):
+class HAPTIC_OT_set_gravity(Edit):
     """Let things fall as on Earth at the scene's unit scale, which Blender's physics ignores. Simulate again afterwards"""
 
     bl_label = "Set Gravity"
@@ -244,7 +244,7 @@ class HAPTIC_OT_set_gravity(Edit, Operator):
         scene.gravity = down * (9.81 / metres_per_unit(scene))
 
 
-class HAPTIC_OT_impacts_in_units(Edit, Operator):
+class HAPTIC_OT_impacts_in_units(Edit):
     """Judge the energy of impacts as if a unit were a metre, as Blender's physics does, instead of by the unit scale"""
 
     bl_label = "Impacts in Units"
@@ -253,7 +253,7 @@ class HAPTIC_OT_impacts_in_units(Edit, Operator):
         context.scene.haptics.impacts_in_units = True
 
 
-class HAPTIC_OT_realize_instances(OnSelected, Operator):
+class HAPTIC_OT_realize_instances(OnSelected):
     """Make the instances of the selected objects objects of their own: each can then be edited, and be a source or feel by itself"""
 
     bl_label = "Realize Instances"
@@ -271,7 +271,7 @@ class HAPTIC_OT_realize_instances(OnSelected, Operator):
             bpy.ops.object.duplicates_make_real()
 
 
-class HAPTIC_OT_use_mesh(OnActive, Operator):
+class HAPTIC_OT_use_mesh(OnActive):
     """Let the rigid body collide by its mesh instead of its convex hull. Active bodies take more time to simulate"""
 
     bl_label = "Use Mesh"
@@ -281,7 +281,7 @@ class HAPTIC_OT_use_mesh(OnActive, Operator):
             context.object.rigid_body.collision_shape = "MESH"
 
 
-class HAPTIC_OT_clear(OnSelected, Operator):
+class HAPTIC_OT_clear(OnSelected):
     """Remove all haptic roles from the selected objects; their settings are kept"""
 
     bl_label = "Clear Haptics"
@@ -294,7 +294,7 @@ class HAPTIC_OT_clear(OnSelected, Operator):
             raise ValueError(linked_message(context.selected_objects))
 
 
-class HAPTIC_OT_select_object(Edit, Operator):
+class HAPTIC_OT_select_object(Edit):
     """Select the object and make it active"""
 
     bl_label = "Select Object"

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 from bpy.app.translations import pgettext_tip as tip_
-from bpy.types import Context, Operator
+from bpy.types import Context
 
 from ...core.scene.values import MODES
 from ..blender.polling import UNDO, Action, Edit, Need, Refused
@@ -22,7 +22,7 @@ _ITEMS = (
 )
 
 
-class HAPTIC_OT_trace_frame(Action, Operator):
+class HAPTIC_OT_trace_frame(Action):
     """Read the whole scene again and trace the current frame"""
 
     bl_label = "Trace This Frame"
@@ -38,7 +38,7 @@ class HAPTIC_OT_trace_frame(Action, Operator):
         redraw_viewports()
 
 
-class HAPTIC_OT_toggle_tracing(Action, Operator):
+class HAPTIC_OT_toggle_tracing(Action):
     """Switch tracing on or off"""
 
     bl_label = "Toggle Tracing"
@@ -51,7 +51,7 @@ class HAPTIC_OT_toggle_tracing(Action, Operator):
         redraw_viewports()
 
 
-class HAPTIC_OT_cancel_tracing(Action, Operator):
+class HAPTIC_OT_cancel_tracing(Action):
     """Stop tracing this frame. The next edit or frame is traced as always; switch tracing off to edit without waiting"""
 
     bl_label = "Cancel Tracing"
@@ -66,7 +66,7 @@ class HAPTIC_OT_cancel_tracing(Action, Operator):
         redraw_viewports()
 
 
-class HAPTIC_OT_copy_result(Action, Operator):
+class HAPTIC_OT_copy_result(Action):
     """Copy the result as text, a row per source and listener, columns separated by tabulators, for a spreadsheet"""
 
     bl_label = "Copy Result"
@@ -82,7 +82,7 @@ class HAPTIC_OT_copy_result(Action, Operator):
         context.window_manager.clipboard = table.as_text(context.scene)
 
 
-class HAPTIC_OT_set_mode(Action, Operator):
+class HAPTIC_OT_set_mode(Action):
     """Render the scene in another way, to compare: through touching objects, at the nearest listener, by distance, or without fading"""
 
     bl_label = "Set Haptic Mode"
@@ -109,7 +109,7 @@ class HAPTIC_OT_set_mode(Action, Operator):
         redraw_viewports()
 
 
-class HAPTIC_OT_graph_to_geometry(Edit, Operator):
+class HAPTIC_OT_graph_to_geometry(Edit):
     """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this scene is replaced"""
 
     bl_label = "Graph to Geometry"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bpy
-from bpy.types import Context, Operator
+from bpy.types import Context
 
 from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
 from ..blender.polling import UNDO, Action, Need, Refused
@@ -13,7 +13,7 @@ from ..vr import actions, controllers, recording
 SESSION = Need(lambda context: actions.is_running(), "Start a VR session first")
 
 
-class HAPTIC_OT_vr_hands(Action, Operator):
+class HAPTIC_OT_vr_hands(Action):
     """Follow the VR controllers with two hands: the controllers play what these touch, instead of what the scene's listeners feel"""
 
     bl_label = "VR Hands"
@@ -30,7 +30,7 @@ class HAPTIC_OT_vr_hands(Action, Operator):
             bpy.ops.haptic.connect_device(device=controllers.KEY)
 
 
-class HAPTIC_OT_record_hands(Action, Operator):
+class HAPTIC_OT_record_hands(Action):
     """Record the hands while the timeline plays; a second click adds them as objects with keyframes"""
 
     bl_label = "Record Hands"

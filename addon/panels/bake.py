@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Context, Panel, Scene, UILayout
+from bpy.types import Context, Scene, UILayout
 
 from ..bake import playback, storage, takes
 from ..blender import job
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _MOST_TAKES = 20
 
 
-class HAPTIC_PT_bake(ScenePanel, Panel):
+class HAPTIC_PT_bake(ScenePanel):
     bl_label = "Bake"
     bl_order = 50
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from bpy.types import Context, Object, UILayout
+from bpy.types import Context, Object, Panel, UILayout
 
 from ..blender.documentation import page_url
 from ..blender.words import said, show
@@ -15,8 +15,8 @@ from ..session import sessions
 from .texts import ICON, content_width, draw_sentence, fitted, lines
 
 
-class HapticsPanel:
-    """Mixin: a panel with a button that opens its page of the documentation."""
+class HapticsPanel(Panel):
+    """A panel with a button that opens its page of the documentation."""
 
     def draw_header_preset(self: Any, context: Context) -> None:
         """Draw the button."""
@@ -27,7 +27,7 @@ class HapticsPanel:
 
 
 class SidebarPanel(HapticsPanel):
-    """Mixin: such a panel in the add-on's tab of the 3D viewport's sidebar."""
+    """Such a panel in the add-on's tab of the 3D viewport's sidebar."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -35,7 +35,7 @@ class SidebarPanel(HapticsPanel):
 
 
 class ScenePanel(HapticsPanel):
-    """Mixin: such a panel in Properties > Scene > Haptics, closed at first."""
+    """Such a panel in Properties > Scene > Haptics, closed at first."""
 
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -46,7 +46,7 @@ class ScenePanel(HapticsPanel):
 
 
 class ObjectPanel(ScenePanel):
-    """Mixin: such a panel in Properties > Object > Haptics."""
+    """Such a panel in Properties > Object > Haptics."""
 
     bl_context = "object"
     bl_parent_id = "HAPTIC_PT_object_settings"

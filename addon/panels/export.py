@@ -3,7 +3,7 @@ dropped into the viewport."""
 
 from __future__ import annotations
 
-from bpy.types import Context, FileHandler, Menu, Panel, UILayout
+from bpy.types import Context, FileHandler, Menu, UILayout
 
 from ...core.formats.io.catalogue import FORMATS, READERS
 from ..blender import job
@@ -18,7 +18,7 @@ POOR = 3.0
 """Change of level (dB) from which a listener is marked."""
 
 
-class HAPTIC_PT_export(ScenePanel, Panel):
+class HAPTIC_PT_export(ScenePanel):
     bl_label = "Export"
 
     def draw(self, context: Context) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from bpy.types import Context, Panel, UILayout
+from bpy.types import Context, UILayout
 
 from ...core.render import mixing
 from ...core.scene.values import Listener
@@ -13,7 +13,7 @@ from .drawing import ObjectPanel, draw_carrier, draw_held, poll_object, settings
 from .formula import draw_finding
 
 
-class HAPTIC_PT_listener(ObjectPanel, Panel):
+class HAPTIC_PT_listener(ObjectPanel):
     bl_label = "Haptic Listener"
 
     poll = classmethod(poll_object)

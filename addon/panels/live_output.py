@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from bpy.types import AddonPreferences, Context, Panel, Scene, UILayout
+from bpy.types import AddonPreferences, Context, Scene, UILayout
 
 from ...core.devices import connection, mapping
 from ...core.render import limiter
@@ -25,7 +25,7 @@ EARLIEST = -0.015
 _BLOCKED = 0.25
 
 
-class HAPTIC_PT_live_output(ScenePanel, Panel):
+class HAPTIC_PT_live_output(ScenePanel):
     bl_label = "Devices"
 
     def draw(self, context: Context) -> None:

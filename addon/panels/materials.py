@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.types import Context, Menu, Panel, UILayout, UIList
+from bpy.types import Context, Menu, UILayout, UIList
 
 from ...core.scene.bands import BAND_CENTRES
 from ...core.scene.coefficients import transfer_coefficient
@@ -68,7 +68,7 @@ class HAPTIC_MT_materials(Menu):
             properties.preset, properties.target = name, target
 
 
-class HAPTIC_PT_materials(ScenePanel, Panel):
+class HAPTIC_PT_materials(ScenePanel):
     bl_label = "Materials"
 
     def draw(self, context: Context) -> None:
@@ -106,7 +106,7 @@ def draw_models(layout: UILayout) -> None:
     row.operator("haptic.set_model", text="As in the Paper").model = "PAPER"
 
 
-class HAPTIC_PT_wishes(ScenePanel, Panel):
+class HAPTIC_PT_wishes(ScenePanel):
     bl_parent_id = "HAPTIC_PT_materials"
     bl_label = "Design by Wish"
 
@@ -143,7 +143,7 @@ class HAPTIC_PT_wishes(ScenePanel, Panel):
         layout.operator("haptic.design_by_wish", icon="SHADERFX")
 
 
-class HAPTIC_PT_fit(ScenePanel, Panel):
+class HAPTIC_PT_fit(ScenePanel):
     bl_parent_id = "HAPTIC_PT_materials"
     bl_label = "Fit Material"
 

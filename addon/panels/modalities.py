@@ -80,7 +80,7 @@ def _panel(
 ) -> type[Panel]:
     name = f"HAPTIC_PT_{modality.name}_{part}"
     given = {"bl_idname": name, "bl_label": modality.title, "__module__": __name__, **values}
-    return type(name, (kind, Panel), given)
+    return type(name, (kind,), given)
 
 
 PANELS = tuple(

@@ -57,7 +57,7 @@ def _poll_haptic(cls: type[Panel], context: Context) -> bool:
     )
 
 
-class HAPTIC_PT_object_settings(HapticsPanel, Panel):
+class HAPTIC_PT_object_settings(HapticsPanel):
     bl_label = "Haptics"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -71,7 +71,7 @@ class HAPTIC_PT_object_settings(HapticsPanel, Panel):
             self.layout.prop(context.object.haptics, "body")
 
 
-class HAPTIC_PT_object(ObjectPanel, Panel):
+class HAPTIC_PT_object(ObjectPanel):
     bl_label = "Haptic Object"
     bl_options: Any = set()
 
@@ -222,7 +222,7 @@ def _twin(context: Context, haptics: Any) -> str | None:
     return None
 
 
-class HAPTIC_PT_gain(ObjectPanel, Panel):
+class HAPTIC_PT_gain(ObjectPanel):
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Gain over Distance"
     bl_options: Any = set()
@@ -272,7 +272,7 @@ def _curve_key(
         return None
 
 
-class HAPTIC_PT_bands(ObjectPanel, Panel):
+class HAPTIC_PT_bands(ObjectPanel):
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Frequency Bands"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel, UILayout
+from bpy.types import Context, UILayout
 
 from ..blender import job
 from ..blender.words import show
@@ -14,7 +14,7 @@ from .texts import fitted
 _DEVICES = 4
 
 
-class HAPTIC_PT_output(SidebarPanel, Panel):
+class HAPTIC_PT_output(SidebarPanel):
     bl_label = "Output"
     bl_order = 30
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import bpy
-from bpy.types import AddonPreferences, Context, Panel
+from bpy.types import AddonPreferences, Context
 
 from ...core.scene.choices import SourceKind
 from ..blender.documentation import page_url
@@ -21,7 +21,7 @@ _OBJECTS = 3
 """Haptic objects of a scene up to which it is one that may be a newcomer's."""
 
 
-class HAPTIC_PT_quick_start(SidebarPanel, Panel):
+class HAPTIC_PT_quick_start(SidebarPanel):
     bl_label = "Quick Start"
     bl_order = -1
 

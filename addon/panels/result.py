@@ -37,7 +37,7 @@ _PICTURE = 5.0  # lines high
 _NAMES = 0.58  # of the width beside switches
 
 
-class HAPTIC_PT_result(SidebarPanel, Panel):
+class HAPTIC_PT_result(SidebarPanel):
     bl_label = "What Is Felt"
     bl_order = 20
 
@@ -146,7 +146,7 @@ class HAPTIC_PT_table(Panel):
         draw_more(layout, len(found) - _ROWS)
 
 
-class HAPTIC_PT_meters(SidebarPanel, Panel):
+class HAPTIC_PT_meters(SidebarPanel):
     bl_parent_id = "HAPTIC_PT_result"
     bl_label = "Meters"
     bl_options = {"DEFAULT_CLOSED"}
@@ -173,7 +173,7 @@ class HAPTIC_PT_meters(SidebarPanel, Panel):
             column.label(text="Front and back")
 
 
-class HAPTIC_PT_comparison(ScenePanel, Panel):
+class HAPTIC_PT_comparison(ScenePanel):
     bl_label = "Compare Modes"
 
     def draw(self, context: Context) -> None:
@@ -211,7 +211,7 @@ class HAPTIC_PT_comparison(ScenePanel, Panel):
             layout.label(text="Comparing...", icon="SORTTIME")
 
 
-class HAPTIC_PT_statistics(ScenePanel, Panel):
+class HAPTIC_PT_statistics(ScenePanel):
     bl_label = "Statistics"
 
     def draw(self, context: Context) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.types import Context, Panel, UILayout
+from bpy.types import Context, UILayout
 
 from ..blender.words import show
 from .drawing import SidebarPanel, draw_each
@@ -13,7 +13,7 @@ from .result import draw_solo_and_mute
 from .source import draw_signal
 
 
-class HAPTIC_PT_roles(SidebarPanel, Panel):
+class HAPTIC_PT_roles(SidebarPanel):
     bl_label = "Selected Object"
     bl_order = 10
 

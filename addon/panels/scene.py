@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel
+from bpy.types import Context
 
 from ..gateway import is_loaded
 from ..live_output import handlers, preview
@@ -10,7 +10,7 @@ from .answer import draw_answer, draw_why
 from .drawing import SidebarPanel
 
 
-class HAPTIC_PT_scene(SidebarPanel, Panel):
+class HAPTIC_PT_scene(SidebarPanel):
     bl_label = "Haptic Tracing"
     bl_order = 0
 
@@ -31,7 +31,7 @@ class HAPTIC_PT_scene(SidebarPanel, Panel):
         row.operator("haptic.toggle_preview", text="", icon="SPEAKER", depress=heard)
 
 
-class HAPTIC_PT_why(SidebarPanel, Panel):
+class HAPTIC_PT_why(SidebarPanel):
     bl_parent_id = "HAPTIC_PT_scene"
     bl_label = "Why"
     bl_ui_units_x = 14

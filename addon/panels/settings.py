@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from bpy.types import Context, Panel, UILayout
+from bpy.types import Context, UILayout
 
 from ...core.scene.impact_rule import CURVES, ImpactLimits, ImpactRule
 from ...core.scene.rules import ContactSettings
@@ -25,7 +25,7 @@ from .materials import draw_models
 from .rules import draw_table
 
 
-class HAPTIC_PT_settings(HapticsPanel, Panel):
+class HAPTIC_PT_settings(HapticsPanel):
     bl_label = "Haptics"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -55,7 +55,7 @@ def _draw_localise(haptics: HapticSceneProperties, layout: UILayout) -> None:
     row.prop(haptics, "localise", slider=True)
 
 
-class HAPTIC_PT_impacts(ScenePanel, Panel):
+class HAPTIC_PT_impacts(ScenePanel):
     bl_label = "Impacts"
     bl_description = (
         "Impacts as sources; a rule says what impacts between some objects need and play in "
@@ -98,7 +98,7 @@ def _draw_seed(rule: Any, layout: UILayout) -> None:
         layout.prop(rule, "seed")
 
 
-class HAPTIC_PT_textures(ScenePanel, Panel):
+class HAPTIC_PT_textures(ScenePanel):
     bl_label = "Sliding and Rolling"
     bl_description = (
         "Textures of objects that slide or roll on each other; none without a "
@@ -114,7 +114,7 @@ class HAPTIC_PT_textures(ScenePanel, Panel):
         draw_held(layout.column(align=True), rule, Texture)
 
 
-class HAPTIC_PT_contacts(ScenePanel, Panel):
+class HAPTIC_PT_contacts(ScenePanel):
     bl_label = "Contacts"
     bl_description = (
         "What contacts between some objects pass on; everything where no rule fits, "
@@ -132,7 +132,7 @@ class HAPTIC_PT_contacts(ScenePanel, Panel):
             draw_parameters(layout, rule, 0.0, 1.0, haptics.epsilon, on_contact=True)
 
 
-class HAPTIC_PT_overlay(ScenePanel, Panel):
+class HAPTIC_PT_overlay(ScenePanel):
     bl_label = "Overlay"
     bl_translation_context = (
         "Haptics"  # Blender's translation of the word is that of mixing colours

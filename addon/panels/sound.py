@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bpy.types import Context, Panel
+from bpy.types import Context
 
 from ..blender import compatibility
 from ..properties.preferences import preferences
@@ -12,7 +12,7 @@ from .drawing import ObjectPanel, draw_properties, settings_layout
 from .texts import draw_sentence
 
 
-class HAPTIC_PT_sound(ObjectPanel, Panel):
+class HAPTIC_PT_sound(ObjectPanel):
     bl_parent_id = "HAPTIC_PT_source"
     bl_label = "Sound to Vibration"
 

@@ -96,7 +96,7 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
         row.operator("haptic.edit_emphasis", text="", icon="X").index = number
 
 
-class HAPTIC_PT_source(ObjectPanel, Panel):
+class HAPTIC_PT_source(ObjectPanel):
     bl_label = "Haptic Source"
 
     poll = classmethod(poll_object)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bpy
-from bpy.types import Context, Panel
+from bpy.types import Context
 
 from ..gateway import is_loaded
 from ..live_output import outputs
@@ -11,7 +11,7 @@ from ..vr import actions, controllers
 from .drawing import ScenePanel, warn
 
 
-class HAPTIC_PT_vr(ScenePanel, Panel):
+class HAPTIC_PT_vr(ScenePanel):
     bl_label = "In VR"
 
     @classmethod

@@ -30,8 +30,8 @@ from ..properties import (
 
 
 def classes_of(*modules: ModuleType) -> tuple[type, ...]:
-    """The Blender classes defined in modules, in the order of definition, so that a class follows
-    those that it needs."""
+    """The Blender classes defined in modules, but for their bases (``_Name``), in the order of
+    definition, so that a class follows those that it needs."""
     return tuple(
         value
         for module in modules
@@ -39,6 +39,7 @@ def classes_of(*modules: ModuleType) -> tuple[type, ...]:
         if isinstance(value, type)
         and issubclass(value, bpy.types.bpy_struct)
         and value.__module__ == module.__name__
+        and not value.__name__.startswith("_")
     )
 
 
