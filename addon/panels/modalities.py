@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from bpy.types import Context, Panel, UILayout
+from bpy.types import Context, UILayout
 
 from ...core.modalities import MODALITIES, Modality
 from ..blender.words import show
@@ -16,19 +16,20 @@ if TYPE_CHECKING:
     from ...core.modalities.propagation import Felt
 
 
-def _scene_panel(modality: Modality) -> type[Panel]:
+class _ScenePanel(ScenePanel):
     """The panel of a modality in the scene: its switch, and the values at listeners."""
 
-    def draw_header(self: Panel, context: Context) -> None:
-        self.layout.prop(
-            getattr(context.scene.haptics.modalities, modality.name), "enabled", text=""
-        )
+    modality: ClassVar[Modality]
 
-    def draw(self: Panel, context: Context) -> None:
+    def draw_header(self, context: Context) -> None:
+        self.layout.prop(_properties(self, context.scene), "enabled", text="")
+
+    def draw(self, context: Context) -> None:
         layout = self.layout
-        layout.active = getattr(context.scene.haptics.modalities, modality.name).enabled
+        layout.active = _properties(self, context.scene).enabled
         felt = next(
-            (felt for felt in sessions.felt_in(context.scene) if felt.modality is modality), None
+            (felt for felt in sessions.felt_in(context.scene) if felt.modality is self.modality),
+            None,
         )
         if felt is None:
             layout.label(text="Switch it on and trace a frame", icon="INFO")
@@ -39,7 +40,32 @@ def _scene_panel(modality: Modality) -> type[Panel]:
             for index in range(len(felt.listeners)):
                 _draw_listener(column, felt, index)
 
-    return _panel(modality, "scene", ScenePanel, {"draw_header": draw_header, "draw": draw})
+
+class _ObjectPanel(ObjectPanel):
+    """The panel of a modality for the active object: its function and values, and its source."""
+
+    modality: ClassVar[Modality]
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return context.object is not None and context.object.type != "ARMATURE"
+
+    def draw(self, context: Context) -> None:
+        layout = settings_layout(self, is_animated=True)
+        obj: Any = context.object
+        group = _properties(self, obj)
+        if obj.haptics.enabled:
+            layout.prop(group, "function")
+            draw_parameters(layout, group, 0.0, 1.0, context.scene.haptics.epsilon)
+        layout.prop(group, "is_source")
+        if group.is_source:
+            layout.prop(group, "source_value")
+            draw_carrier(layout, obj, "Goes into")
+
+
+def _properties(panel: _ScenePanel | _ObjectPanel, owner: Any) -> Any:
+    """The properties of the panel's modality of a scene or an object."""
+    return getattr(owner.haptics.modalities, panel.modality.name)
 
 
 def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
@@ -54,35 +80,12 @@ def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
         layout.label(text=words, icon="BLANK1")
 
 
-def _object_panel(modality: Modality) -> type[Panel]:
-    """The panel of a modality for the active object: its function and values, and its source."""
-
-    def poll(cls: type[Panel], context: Context) -> bool:
-        return context.object is not None and context.object.type != "ARMATURE"
-
-    def draw(self: Panel, context: Context) -> None:
-        layout = settings_layout(self, is_animated=True)
-        obj: Any = context.object
-        group = getattr(obj.haptics.modalities, modality.name)
-        if obj.haptics.enabled:
-            layout.prop(group, "function")
-            draw_parameters(layout, group, 0.0, 1.0, context.scene.haptics.epsilon)
-        layout.prop(group, "is_source")
-        if group.is_source:
-            layout.prop(group, "source_value")
-            draw_carrier(layout, obj, "Goes into")
-
-    return _panel(modality, "object", ObjectPanel, {"poll": classmethod(poll), "draw": draw})
-
-
-def _panel(
-    modality: Modality, part: str, kind: type[ScenePanel], values: dict[str, object]
-) -> type[Panel]:
-    name = f"HAPTIC_PT_{modality.name}_{part}"
-    given = {"bl_idname": name, "bl_label": modality.title, "__module__": __name__, **values}
-    return type(name, (kind,), given)
-
-
 PANELS = tuple(
-    panel(modality) for modality in MODALITIES.values() for panel in (_scene_panel, _object_panel)
+    type(
+        f"HAPTIC_PT_{modality.name}_{part}",
+        (base,),
+        {"bl_label": modality.title, "modality": modality, "__module__": __name__},
+    )
+    for modality in MODALITIES.values()
+    for part, base in (("scene", _ScenePanel), ("object", _ObjectPanel))
 )
