@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import bmesh
 import bpy
@@ -190,12 +189,9 @@ class HAPTIC_OT_add_sample(Edit):
     """Add a sample scene to this file as a new scene"""
 
     bl_label = "Add Sample Scene"
+    bl_property = "sample"
 
     sample: choice("Sample", "The scene to build", SAMPLE_ITEMS)
-
-    @classmethod
-    def description(cls, context: Context, properties: Any) -> str:
-        return bpy.app.translations.pgettext_tip(SAMPLES[properties.sample].description)
 
     def apply(self, context: Context) -> None:
         started = time.perf_counter()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from bpy.app.translations import pgettext_tip
 from bpy.types import Context, Event
 
 from ...core.scene.materials import MATERIALS
@@ -164,17 +163,12 @@ class HAPTIC_OT_set_model(Edit):
     """Choose between measured materials and the paper's model for the whole scene: functions of all objects made of presets, contacts of flesh, and the strategy; objects made later follow"""
 
     bl_label = "Model"
+    bl_property = "model"  # so that a button tells its item
 
     model: choice("Model", "What the scene is computed by", MODEL_ITEMS)
     in_a_building: switch(
         "In a Building", "Walls and floors in place, whose joints and edges take 2 dB per metre"
     )
-
-    @classmethod
-    def description(cls, context: Context, properties: Any) -> str:
-        return pgettext_tip(
-            next(about for name, _, about in MODEL_ITEMS if name == properties.model)
-        )
 
     def apply(self, context: Context) -> None:
         scene = context.scene
@@ -193,12 +187,9 @@ class HAPTIC_OT_set_bodies(Edit):
     """Choose how all objects of flesh damp vibration; other objects keep their functions"""
 
     bl_label = "Bodies"
+    bl_property = "body"
 
     body: choice("Bodies", "How objects of flesh damp vibration", BODY_ITEMS)
-
-    @classmethod
-    def description(cls, context: Context, properties: Any) -> str:
-        return pgettext_tip(next(about for name, _, about in BODY_ITEMS if name == properties.body))
 
     def apply(self, context: Context) -> None:
         shown = editable(with_instanced(context.scene.objects))

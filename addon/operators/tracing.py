@@ -3,9 +3,6 @@ graph."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from bpy.app.translations import pgettext_tip as tip_
 from bpy.types import Context
 
 from ...core.scene.values import MODES
@@ -87,17 +84,9 @@ class HAPTIC_OT_set_mode(Action):
 
     bl_label = "Set Haptic Mode"
     bl_options = UNDO
+    bl_property = "mode"
 
     mode: choice("Mode", "The rendering", _ITEMS, default="NEXT")
-
-    @classmethod
-    def description(cls, context: Context, properties: Any) -> str:
-        """The tooltip of a button: what its mode does."""
-        return next(
-            f"{tip_(title)}: {tip_(words)}"
-            for name, title, words in _ITEMS
-            if name == properties.mode
-        )
 
     def apply(self, context: Context) -> None:
         haptics = context.scene.haptics

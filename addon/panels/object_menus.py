@@ -8,7 +8,6 @@ from bpy.types import Context, Menu
 from ...core.scene.values import MODES
 from ...sample_scenes import SAMPLES
 from ..blender.words import said
-from ..operators.adding import SOURCE_ITEMS
 from .thumbnails import cell
 
 # Operators on the selection, on the scene, on materials; unknown ones are left out.
@@ -93,8 +92,7 @@ class HAPTIC_MT_add(Menu):
     def draw(self, context: Context) -> None:
         layout = self.layout
         layout.operator_context = "EXEC_REGION_WIN"
-        for kind, title, _, icon, _ in SOURCE_ITEMS:
-            layout.operator("haptic.add_source_object", text=title, icon=icon).kind = kind
+        layout.operator_enum("haptic.add_source_object", "kind")
         layout.separator()
         layout.operator("haptic.add_medium", text="Air", icon="FORCE_WIND").medium = "air"
         layout.operator("haptic.add_medium", text="Water", icon="MOD_FLUIDSIM").medium = "water"
