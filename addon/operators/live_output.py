@@ -144,6 +144,10 @@ def _calibrations() -> dict[str, tuple[Profile, Actuator]]:
     }
 
 
+def _calibrated_actuators(self: Operator, context: Context, typed: str) -> list[str]:
+    return sorted(_calibrations())
+
+
 class HAPTIC_OT_calibrate_listener(OnActive):
     """Copy what this listener's device does at full scale from the device's profile"""
 
@@ -154,7 +158,7 @@ class HAPTIC_OT_calibrate_listener(OnActive):
     actuator: text(
         "Actuator",
         "Device and actuator; only profiles with a full_scale are listed",
-        search=lambda self, context, typed: sorted(_calibrations()),
+        search=_calibrated_actuators,
     )
 
     def invoke(self, context: Context, event: Event) -> set[str]:

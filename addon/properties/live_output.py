@@ -16,6 +16,10 @@ def _preview_changed(self: HapticLiveOutputProperties, context: Context) -> None
     preview_adjusted(self)
 
 
+def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
+    mark_actuators()
+
+
 @updating(lambda device, context: device_adjusted(device))
 class HapticDeviceProperties(PropertyGroup):
     """The adjustment of one device; its name is the device's key."""
@@ -92,5 +96,5 @@ class HapticActuatorProperties(PropertyGroup):
         "Actuators",
         "Empty: those at its body part; -: none; otherwise device/actuator or "
         "device/actuator*gain, separated by semicolons",
-        update=lambda self, context: mark_actuators(),
+        update=_actuators_chosen,
     )

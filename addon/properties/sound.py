@@ -53,6 +53,12 @@ def device_profiles() -> Mapping[str, Profile]:
     return profile_files.load_profiles((profile_files.BUILT_IN, *profile_folders()))[0]
 
 
+def _matching_devices(self: PropertyGroup, context: Context, typed: str) -> list[str]:
+    """What the search field of devices offers; Blender chooses those that match what was
+    ``typed``."""
+    return sorted(device_profiles())
+
+
 def _edited(self: HapticSoundProperties, context: Context) -> None:
     self.is_edited, self.fault = True, ""
     try:
@@ -85,12 +91,7 @@ class HapticSoundProperties(PropertyGroup):
         160.0,
         (10.0, 1000.0),
     )
-    device: text(
-        "Device",
-        "The profile of the device",
-        "dualsense",
-        search=lambda self, context, typed: sorted(device_profiles()),
-    )
+    device: text("Device", "The profile of the device", "dualsense", search=_matching_devices)
     band: FloatVectorProperty(
         name="Band (Hz)",
         description="Lowest and highest frequency of the carrier, in hertz; other pitches are "

@@ -88,9 +88,10 @@ def drawn(panel):
     """What a panel shows."""
     recorder = recording_layout.RecordingLayout()
     if not hasattr(panel, "poll") or panel.poll(bpy.context):
+        shown = SimpleNamespace(layout=recorder, modality=getattr(panel, "modality", None))
         for part in ("draw_header", "draw"):
             if hasattr(panel, part):
-                getattr(panel, part)(SimpleNamespace(layout=recorder), bpy.context)
+                getattr(panel, part)(shown, bpy.context)
     return recorder
 
 

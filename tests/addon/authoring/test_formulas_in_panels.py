@@ -23,7 +23,7 @@ _spec.loader.exec_module(recording_layout)
 
 def _draw(panel):
     layout = recording_layout.RecordingLayout()
-    drawn = SimpleNamespace(layout=layout)
+    drawn = SimpleNamespace(layout=layout, modality=getattr(panel, "modality", None))
     if hasattr(panel, "draw_header"):
         panel.draw_header(drawn, bpy.context)
     panel.draw(drawn, bpy.context)
