@@ -16,11 +16,9 @@ from .function import FunctionParameters, function_property
 from .kinds import switch
 
 
-def _group(
-    name: str, annotations: dict[str, Any], words: str, *mixins: type
-) -> type[PropertyGroup]:
+def _group(name: str, words: str, *mixins: type, **annotations: Any) -> type[PropertyGroup]:
     return type(
-        name,
+        f"Haptic{name}",
         (*mixins, PropertyGroup),
         {"__annotations__": annotations, "__doc__": words, "__module__": __name__},
     )
@@ -28,37 +26,33 @@ def _group(
 
 def _object_group(modality: Modality) -> type[PropertyGroup]:
     """The properties of an object, and of a source, for a modality."""
-    annotations = {
-        "function": function_property(tuple(modality.functions), modality.default_function),
-        "is_source": switch("Source", "This object emits it"),
-    }
     group = _group(
-        f"Haptic{modality.name.title()}Object",
-        annotations,
+        f"{modality.name.title()}Object",
         modality.description,
         FunctionParameters,
+        function=function_property(tuple(modality.functions), modality.default_function),
+        is_source=switch("Source", "This object emits it"),
     )
     named: dict[str, Any] = dict.fromkeys(shown(modality.source), "source_value")
     return updating()(holding(modality.source, **named)(holding(modality.values)(group)))
 
 
-def _scene_group(modality: Modality) -> type[PropertyGroup]:
-    enabled = switch(modality.title, modality.description, update=changed)
-    return _group(f"Haptic{modality.name.title()}Scene", {"enabled": enabled}, modality.description)
-
-
 def _container(name: str, groups: dict[str, type[PropertyGroup]]) -> type[PropertyGroup]:
-    return _group(
-        name,
-        {key: PointerProperty(type=group) for key, group in groups.items()},
-        "One group per modality.",
-    )
+    pointers = {key: PointerProperty(type=group) for key, group in groups.items()}
+    return _group(name, "One group per modality.", **pointers)
 
 
 _OBJECT_GROUPS = {name: _object_group(modality) for name, modality in MODALITIES.items()}
-_SCENE_GROUPS = {name: _scene_group(modality) for name, modality in MODALITIES.items()}
-HapticObjectModalities = _container("HapticObjectModalities", _OBJECT_GROUPS)
-HapticSceneModalities = _container("HapticSceneModalities", _SCENE_GROUPS)
+_SCENE_GROUPS = {
+    name: _group(
+        f"{name.title()}Scene",
+        modality.description,
+        enabled=switch(modality.title, modality.description, update=changed),
+    )
+    for name, modality in MODALITIES.items()
+}
+HapticObjectModalities = _container("ObjectModalities", _OBJECT_GROUPS)
+HapticSceneModalities = _container("SceneModalities", _SCENE_GROUPS)
 
 GROUPS = (
     *_OBJECT_GROUPS.values(),

@@ -25,12 +25,11 @@ joints of Drillis and Contini (1966).
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
-from ..forms import Form
 from ..frozen import frozen
 from .functions import Physical, Wave
 from .materials import MATERIALS, TABLE
@@ -44,25 +43,18 @@ class Damping:
     """Damping of vibration in a material. ``loss_factor`` with its ``loss_range``; ``speed`` of its
     waves [m/s] with its ``speed_range``: extensional waves, or shear and surface waves in soft or
     loose materials. ``ground``: a ground material, in which waves travel along the surface.
-    ``building``: a material of walls and floors. ``estimated``: without a published value."""
+    ``estimated``: without a published value."""
 
     loss_factor: float
-    loss_range: tuple[float, float]
+    loss_range: Sequence[float]
     speed: float
-    speed_range: tuple[float, float]
+    speed_range: Sequence[float]
     ground: bool = False
-    building: bool = False
     estimated: bool = True
 
 
-def _damping(row: Form) -> Damping:
-    return Damping(
-        **{**row, "loss_range": tuple(row["loss_range"]), "speed_range": tuple(row["speed_range"])}
-    )
-
-
 DAMPING: Mapping[str, Damping] = MappingProxyType(
-    {name: _damping(row["damping"]) for name, row in TABLE.items()}
+    {name: Damping(**row["damping"]) for name, row in TABLE.items()}
 )
 """Damping by the names of the library's materials."""
 
