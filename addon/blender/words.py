@@ -28,3 +28,12 @@ class Told(ValueError):
 def show(layout: UILayout, text: str, icon: str = "NONE") -> None:
     """Draw a name, or a text that is already in the language of the interface."""
     layout.label(text=text, icon=icon, translate=False)
+
+
+def show_pair(layout: UILayout, name: str, value: str, share: float = 0.6) -> None:
+    """Draw a name in its ``share`` of the width, and its value at the right; see `show`."""
+    split = layout.split(factor=share)
+    show(split, name)
+    row = split.row()
+    row.alignment = "RIGHT"
+    show(row, value)

@@ -25,7 +25,7 @@ from ..blender.polling import (
     Refused,
     is_editable,
 )
-from ..blender.words import Told, said, show, told
+from ..blender.words import Told, said, show_pair, told
 from ..properties.kinds import limited, switch, text
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
@@ -175,11 +175,7 @@ _NAMES = {
 
 
 def _draw_row(layout: UILayout, name: str, before: str, after: str) -> None:
-    split = layout.split(factor=0.65)
-    show(split, name)
-    row = split.row()
-    row.alignment = "RIGHT"
-    show(row, f"{before} \N{RIGHTWARDS ARROW} {after}")
+    show_pair(layout, name, f"{before} \N{RIGHTWARDS ARROW} {after}", 0.65)
 
 
 def _traced_now(context: Context) -> sessions.Traced:

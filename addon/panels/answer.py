@@ -10,13 +10,13 @@ from bpy.types import Context, Scene, UILayout
 from ...core.message import Chain, written
 from ..bake import playback, storage
 from ..blender.time import is_playing
-from ..blender.words import said, show
+from ..blender.words import said, show, show_pair
 from ..live_output import handlers, unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
 from ..view import air_contacts, doubtful_scale, explanation, levels, paths, watched
 from .cures import draw_cure
-from .drawing import draw_pair, draw_problems, select_button
+from .drawing import draw_problems, select_button
 from .hints import next_step, of_units
 from .quick_start import HAPTIC_PT_quick_start
 from .texts import draw_lines, draw_sentence, fitted, source_title
@@ -228,7 +228,7 @@ def _draw_path(layout: UILayout, context: Context, path: paths.ListenerPath) -> 
             split = layout.split(factor=_OBJECTS, align=True)
             title = fitted(item.name, _OBJECTS, button=True)
             select_button(split, item.name, title, depress=item.name == active)
-            draw_pair(split, item.distance, words, 0.45)
+            show_pair(split, item.distance, words, 0.45)
         else:
-            draw_pair(layout, f"= {item.name}" if item.is_sum else item.name, words, 0.76)
+            show_pair(layout, f"= {item.name}" if item.is_sum else item.name, words, 0.76)
     return len(rows) + 1

@@ -10,9 +10,9 @@ from bpy.types import Context, Scene, UILayout
 
 from ..bake import playback, storage, takes
 from ..blender import job
-from ..blender.words import said, show
+from ..blender.words import said, show, show_pair
 from ..view import levels
-from .drawing import ScenePanel, draw_each, draw_pair, settings_layout
+from .drawing import ScenePanel, draw_each, settings_layout
 from .texts import draw_lines, draw_sentence, fitted
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
         return
     column = layout.column(align=True)
     column.scale_y = 0.8
-    draw_pair(
+    show_pair(
         column,
         iface_("Level", "Haptics"),
         said("compared with {}", fitted(other, 0.3)),
@@ -104,7 +104,7 @@ def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
     for item in latest.value:
         change = item.here - item.there
         words = levels.change_words(change) if math.isfinite(change) else "\N{EM DASH}"
-        draw_pair(
+        show_pair(
             column,
             fitted(item.listener, 0.45),
             f"{levels.decibels(item.here) if item.here == item.here else ''}   {words}",

@@ -121,15 +121,6 @@ def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
         show(layout, f"{said(verb)} {carrier.name}", "LINKED")
 
 
-def draw_pair(layout: UILayout, name: str, value: str, share: float = 0.6) -> None:
-    """Draw a name in its ``share`` of the width, and its value at the right."""
-    split = layout.split(factor=share)
-    split.label(text=name)
-    row = split.row()
-    row.alignment = "RIGHT"
-    row.label(text=value)
-
-
 def draw_more(layout: UILayout, count: int) -> None:
     """Draw how many items are not shown."""
     if count > 0:

@@ -9,12 +9,12 @@ from bpy.types import AddonPreferences, Context, Scene, UILayout
 from ...core.devices import connection, mapping
 from ...core.render import limiter
 from ..blender.time import frame_seconds
-from ..blender.words import said, show
+from ..blender.words import said, show, show_pair
 from ..live_output import handlers, outputs, player
 from ..properties.preferences import preferences
 from ..session import sessions
 from ..translations.sentences import sentence
-from .drawing import ScenePanel, draw_each, draw_pair
+from .drawing import ScenePanel, draw_each
 from .texts import draw_sentence
 
 if TYPE_CHECKING:
@@ -139,13 +139,15 @@ def _draw_status(
         draw_sentence(column, said("Disconnect it and connect it again"))
     if status.writing_for > _BLOCKED:
         draw_sentence(column, said("A write has been blocked for {:.1f} s", status.writing_for))
-    draw_pair(column, "Reports written", f"{status.written}")
-    draw_pair(column, "Failed, lost", f"{status.failed_writes}, {status.losses}")
+    show_pair(column, said("Reports written"), f"{status.written}")
+    show_pair(column, said("Failed, lost"), f"{status.failed_writes}, {status.losses}")
     lag = lag_of_picture(status, frame_seconds, rendering_seconds)
     if lag is not None:
         late = lag > mapping.LATEST or lag < EARLIEST
-        draw_pair(
-            column, "Touch follows by", f"{1000 * lag:.0f} ms" + (" (noticed)" if late else "")
+        show_pair(
+            column,
+            said("Touch follows by"),
+            f"{1000 * lag:.0f} ms" + (" (noticed)" if late else ""),
         )
         column.label(text="-15 to 50 ms go unnoticed", icon="ERROR" if late else "BLANK1")
 

@@ -11,9 +11,9 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender import job
-from ..blender.words import said, show
+from ..blender.words import said, show, show_pair
 from ..view import levels, watched
-from .drawing import ScenePanel, draw_each, draw_held, draw_pair, settings_layout
+from .drawing import ScenePanel, draw_each, draw_held, settings_layout
 from .texts import draw_sentence, fitted
 from .thumbnails import cell
 
@@ -177,11 +177,11 @@ def _draw_fit(layout: UILayout, fit: Any) -> None:
     damping, damping_error, gain, gain_error, before, after = fit.values
     column = layout.column(align=True)
     show(column, fitted(fit.fitted, icon=True), "MATERIAL")
-    draw_pair(column, "Loss / material's own", f"{damping:.2f} ± {damping_error:.2f}")
+    show_pair(column, said("Loss / material's own"), f"{damping:.2f} ± {damping_error:.2f}")
     if fit.is_calibrated and fit.first and fit.second:
-        draw_pair(column, "Gain of the contact", f"{gain:.2f} ± {gain_error:.2f}")
-    draw_pair(column, "Error before", f"{before:.1f} dB")
-    draw_pair(column, "Error now", f"{after:.1f} dB")
+        show_pair(column, said("Gain of the contact"), f"{gain:.2f} ± {gain_error:.2f}")
+    show_pair(column, said("Error before"), f"{before:.1f} dB")
+    show_pair(column, said("Error now"), f"{after:.1f} dB")
     grid = layout.grid_flow(row_major=True, columns=5, even_columns=True, align=True)
     for title in ("Hz", "Rec. dB", "Before", "Now", "Coh."):
         show(grid, said(title))

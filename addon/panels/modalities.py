@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from bpy.types import Context, UILayout
 
 from ...core.modalities import MODALITIES, Modality
-from ..blender.words import show
+from ..blender.words import show_pair
 from ..session import sessions
 from .drawing import ObjectPanel, ScenePanel, draw_carrier, settings_layout
 from .formula import draw_parameters
@@ -70,11 +70,8 @@ def _properties(panel: _ScenePanel | _ObjectPanel, owner: Any) -> Any:
 
 def _draw_listener(layout: UILayout, felt: Felt, index: int) -> None:
     value = float(felt.values[index])
-    row = layout.split(factor=0.72)
-    show(row, felt.listeners[index])
-    side = row.row()
-    side.alignment = "RIGHT"
-    show(side, f"{value:+.1f} {felt.modality.source_value.unit}")
+    unit = felt.modality.source_value.unit
+    show_pair(layout, felt.listeners[index], f"{value:+.1f} {unit}", 0.72)
     words = felt.modality.sensation(value)
     if words:
         layout.label(text=words, icon="BLANK1")

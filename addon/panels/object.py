@@ -14,7 +14,7 @@ from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.values import HapticObject
 from ..blender.polling import SOLID_TYPES, is_editable
-from ..blender.words import said
+from ..blender.words import said, show_pair
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..session import sessions
@@ -23,7 +23,6 @@ from .drawing import (
     HapticsPanel,
     ObjectPanel,
     draw_held,
-    draw_pair,
     draw_properties,
     poll_object,
     settings_layout,
@@ -253,11 +252,11 @@ class HAPTIC_PT_gain(ObjectPanel):
         column = layout.column(align=True)
         column.scale_y = 0.8
         if haptics.function == "haptic_tracing":
-            draw_pair(
+            show_pair(
                 column, "K = (1 - κ) ρ", f"{transfer_coefficient(haptics.kappa, haptics.rho):.2f}"
             )
         for distance in (0.0, curve.length / 10, curve.length / 2):
-            draw_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
+            show_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
         if curve.bands is not None:
             column.label(text="Thin lines: 30, 100 and 300 Hz")
 

@@ -12,7 +12,7 @@ from bpy.types import Context, Header, Panel, UILayout
 from ...core.scene.choices import SourceKind
 from ...core.scene.values import MODES
 from ..bake import playback
-from ..blender.words import said, show
+from ..blender.words import said, show, show_pair
 from ..session import sessions
 from ..view import (
     comparison,
@@ -23,7 +23,7 @@ from ..view import (
     table,
     watched,
 )
-from .drawing import ScenePanel, SidebarPanel, draw_more, draw_pair, select_button
+from .drawing import ScenePanel, SidebarPanel, draw_more, select_button
 from .texts import fitted, shortened_to
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ class HAPTIC_PT_comparison(ScenePanel):
                 text = (
                     _amplitude_text(amplitudes[mode].value, index) if mode in amplitudes else "..."
                 )
-                draw_pair(column, fitted(listener.name, 0.7), text, 0.7)
+                show_pair(column, fitted(listener.name, 0.7), text, 0.7)
         if len(amplitudes) < len(MODES) or not all(
             latest.is_current for latest in amplitudes.values()
         ):
@@ -223,11 +223,11 @@ class HAPTIC_PT_statistics(ScenePanel):
         result = session.shown.result
         column = layout.column(align=True)
         for stage, milliseconds in result.milliseconds.items():
-            draw_pair(column, stage.replace("_", " ").capitalize(), f"{milliseconds:.2f} ms")
-        draw_pair(column, "Draw", f"{session.draw_milliseconds:.2f} ms")
+            show_pair(column, said(stage.replace("_", " ").capitalize()), f"{milliseconds:.2f} ms")
+        show_pair(column, said("Draw"), f"{session.draw_milliseconds:.2f} ms")
         column.separator()
         for name, value in result.statistics.items():
-            draw_pair(column, name.replace("_", " ").capitalize(), f"{value:g}")
+            show_pair(column, said(name.replace("_", " ").capitalize()), f"{value:g}")
 
 
 def draw_lane_switch(self: Header, context: Context) -> None:

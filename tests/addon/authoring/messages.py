@@ -28,7 +28,6 @@ _CALLS = {
     "poll_message_set",
     "Need",
     "warn",
-    "draw_pair",
     "draw_carrier",
     "told",
     "said",
