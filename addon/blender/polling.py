@@ -32,7 +32,7 @@ def editable(objects: Iterable[Object]) -> list[Object]:
 def linked_message(objects: Sequence[Object]) -> str:
     """The message if all objects are linked from a library, by themselves or as the instance of a
     collection; "" if any is editable."""
-    if any(
+    if not objects or any(
         is_editable(obj)
         and (obj.instance_collection is None or obj.instance_collection.library is None)
         for obj in objects
@@ -41,8 +41,6 @@ def linked_message(objects: Sequence[Object]) -> str:
     return (
         "These objects are linked from a library: use Object > Library Override > Make, or make "
         "them local"
-        if objects
-        else ""
     )
 
 

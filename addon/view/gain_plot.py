@@ -11,8 +11,7 @@ from ...core.arrays import FloatArray
 from ...core.scene.bands import BAND_COUNT, BAND_EDGES
 from ...core.scene.functions import ModulationFunction
 from ..session.derived import Background, Latest
-from .hud import HudBuilder
-from .panel_picture import SIZE, Colour, Picture, Pixels, painted, unmeasured
+from .panel_picture import SIZE, Canvas, Colour, Picture, Pixels
 
 FLOOR = -60.0
 """Gain at the bottom of the picture [dB]."""
@@ -86,7 +85,7 @@ def picture(curve: GainCurve, colour: Colour, ink: Colour) -> Pixels:
     Lines every 20 dB and at quarters of the length, in ``ink``; the curve in ``colour``, filled
     below; those at 30, 100 and 300 Hz as thin lines.
     """
-    builder = HudBuilder(1.0, unmeasured)
+    builder = Canvas()
     side = SIZE - 2 * _MARGIN - 1
     for count, step in ((4, (0.0, 1.0)), (5, (1.0, 0.0))):
         for part in np.linspace(0, side, count).tolist():
@@ -104,7 +103,7 @@ def picture(curve: GainCurve, colour: Colour, ink: Colour) -> Pixels:
             if gains is curve.gains:
                 builder.plate((x, _MARGIN), (corner[0], y), (*colour, 0.22), 0.0)
             builder.line((x, y), corner, (*colour, 1.0), width)
-    return painted(builder.build())
+    return builder.painted()
 
 
 def latest_curve(

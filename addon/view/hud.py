@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.frozen import frozen
-from ..blender.text import Measure, shortened, text_width
+from ..blender.text import shortened, text_width
 from .render_data import Lines, Place, Symbol, joined, lines_of
 
 TEXT_SIZE = 11.0
@@ -62,23 +62,21 @@ class Hud:
 
 
 class HudBuilder:
-    """Collects plates, lines, symbols and texts, all in points. ``scale``: pixels per point;
-    ``measure``: the width of texts, which Blender knows on its main thread only."""
+    """Collects plates, lines, symbols and texts, all in points. ``scale``: pixels per point."""
 
-    def __init__(self, scale: float, measure: Measure = text_width) -> None:
+    def __init__(self, scale: float) -> None:
         self.scale = scale
-        self._measure = measure
         self._strokes: list[tuple[float, ...]] = []
         self._texts: list[PlacedText] = []
         self._bounds: list[Rectangle] = []
 
     def width(self, words: str, size: float = TEXT_SIZE) -> float:
         """The width of a text of ``size`` points."""
-        return self._measure(words, size * self.scale) / self.scale
+        return text_width(words, size * self.scale) / self.scale
 
     def fitted(self, words: str, width: float, size: float = TEXT_SIZE) -> str:
         """A text of ``size`` points, shortened to at most ``width`` points."""
-        return shortened(words, width * self.scale, size * self.scale, self._measure)
+        return shortened(words, width, size, self.width)
 
     def panel(self, low: Sequence[float], high: Sequence[float], radius: float) -> None:
         """Add a plate under other elements; its area counts as covered."""

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...core.scene.body_map import HALF_WIDTH, HEIGHT
-from .hud import HudBuilder
 from .levels import Level
 from .meter_layout import Scope, add_body, add_scope, colour_of
-from .panel_picture import SIZE, Picture, Pixels, painted, unmeasured
+from .panel_picture import SIZE, Canvas, Picture, Pixels
 
 _scope = Picture()
 _body = Picture()
@@ -29,14 +28,14 @@ def body_icon(levels: Sequence[Level]) -> int:
 
 def scope_picture(scope: Scope) -> Pixels:
     """The last second, as wide and high as the picture."""
-    builder = HudBuilder(1.0, unmeasured)
+    builder = Canvas()
     add_scope(builder, (0.0, 0.0), (SIZE, SIZE), scope)
-    return painted(builder.build())
+    return builder.painted()
 
 
 def body_picture(parts: Mapping[str, Level]) -> Pixels:
     """Both figures, side by side over the width of the picture."""
-    builder = HudBuilder(1.0, unmeasured)
+    builder = Canvas()
     height = SIZE * HEIGHT / (4 * HALF_WIDTH)
     add_body(builder, (0.0, (SIZE - height) / 2), height, parts, ())
-    return painted(builder.build())
+    return builder.painted()

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .hud import HudBuilder
-from .panel_picture import SIZE, Colour, Picture, Pixels, painted, unmeasured
+from .panel_picture import SIZE, Canvas, Colour, Picture, Pixels
 
 _picture = Picture()
 
@@ -17,7 +16,7 @@ def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
     waves: equally many values of the sound and of the vibration, one byte each in hexadecimal, or
     empty.
     """
-    builder = HudBuilder(1.0, unmeasured)
+    builder = Canvas()
     try:
         values = np.frombuffer(bytes.fromhex(waves), dtype=np.uint8) / 255
     except ValueError:
@@ -28,7 +27,7 @@ def picture(waves: str, colour: Colour, ink: Colour) -> Pixels:
             places = np.interp(np.linspace(0, 1, SIZE), np.linspace(0, 1, len(wave)), wave)
             for x, height in enumerate((places * (SIZE / 2 - 2)).tolist()):
                 builder.plate((x, SIZE / 2 - height), (x + 1, SIZE / 2 + height), shade, 0.0)
-    return painted(builder.build())
+    return builder.painted()
 
 
 def icon(waves: str, colour: Colour, ink: Colour) -> int:

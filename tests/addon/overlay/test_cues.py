@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view import annotations, cues, hud
 from haptic_tracing.addon.view.cues import Cue
 from mathutils import Matrix
@@ -67,7 +66,7 @@ def test_the_path_of_a_scene_names_what_is_hidden_and_out_of_sight(
 
 def test_plates_of_cues_stay_in_sight_and_apart():
     given = [Cue(f"→ object {number}", (700.0, 20.0)) for number in range(6)]
-    builder = hud.HudBuilder(1.0, text_width)
+    builder = hud.HudBuilder(1.0)
     taken = ((600.0, 0.0, 700.0, 80.0),)
     annotations._add_cues(builder, given, FREE, taken)
     plates = builder.build().bounds
