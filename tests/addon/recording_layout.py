@@ -91,6 +91,8 @@ class RecordingLayout:
         assert name in properties._names, f"{identifier} has no property {name}"
         return properties
 
+    operator_enum = operator_menu_enum
+
     def menu(self, identifier: str, **_: Any) -> None:
         assert hasattr(bpy.types, identifier)
         self.menus.append(identifier)
