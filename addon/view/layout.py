@@ -3,7 +3,7 @@ meters."""
 
 from __future__ import annotations
 
-from bpy.types import Context
+from bpy.types import Context, Region
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 from ..properties.preferences import preferences
@@ -12,6 +12,10 @@ from .hud import Rectangle, overlaps
 _TEXT_HEIGHT = 56.0  # points of Blender's own text at the upper left
 _GIZMO_WIDTH = 110.0  # points of the navigation gizmo and its buttons at the upper right
 _LEAST_BESIDE = 160.0  # points beside the camera's frame that an element needs
+_AXES = {"TOOLS": 0, "UI": 0} | dict.fromkeys(
+    ("HEADER", "TOOL_HEADER", "ASSET_SHELF", "ASSET_SHELF_HEADER"), 1
+)
+"""The axis along which a region over the viewport takes its room."""
 
 
 def pixels_per_point(context: Context) -> float:
@@ -19,47 +23,37 @@ def pixels_per_point(context: Context) -> float:
     return float(context.preferences.system.ui_scale * preferences().overlay_size)
 
 
+def _rectangle(context: Context, region: Region) -> Rectangle:
+    """A region of the same area, in pixels of the viewport."""
+    x, y = float(region.x - context.region.x), float(region.y - context.region.y)
+    return x, y, x + region.width, y + region.height
+
+
 def free_rectangle(context: Context) -> Rectangle:
     """The part of the viewport, in its pixels, that toolbar, sidebar and headers do not cover."""
-    region = context.region
-    left = 0.0
-    bottom = 0.0
-    right = float(region.width)
-    top = float(region.height)
+    size = float(context.region.width), float(context.region.height)
+    free = [0.0, 0.0, *size]
     for other in context.area.regions:
-        if other == region or other.width <= 1 or other.height <= 1:
-            continue
-        x = other.x - region.x
-        y = other.y - region.y
-        if x >= region.width or y >= region.height or x + other.width <= 0 or y + other.height <= 0:
-            continue  # beside the viewport, not over it
-        if other.type in {"TOOLS", "UI"}:
-            if 2 * x + other.width < region.width:
-                left = max(left, float(x + other.width))
+        axis, cover = _AXES.get(other.type), _rectangle(context, other)
+        is_shown = other.width > 1 and other.height > 1
+        if axis is not None and is_shown and overlaps(cover, (0.0, 0.0, *size)):
+            start, end = cover[axis::2]
+            if start + end < size[axis]:
+                free[axis] = max(free[axis], end)
             else:
-                right = min(right, float(x))
-        elif other.type in {"HEADER", "TOOL_HEADER", "ASSET_SHELF", "ASSET_SHELF_HEADER"}:
-            if 2 * y + other.height < region.height:
-                bottom = max(bottom, float(y + other.height))
-            else:
-                top = min(top, float(y))
+                free[axis + 2] = min(free[axis + 2], start)
+    left, bottom, right, top = free
     return left, bottom, max(right, left), max(top, bottom)
 
 
 def redo_panels(context: Context) -> tuple[Rectangle, ...]:
     """The panel Adjust Last Operation, in pixels of the viewport; () if it is hidden: it is then a
     pixel wide, or lies at 0, 0."""
-    region = context.region
-    found = (
-        other
+    return tuple(
+        _rectangle(context, other)
         for other in context.area.regions
         if other.type == "HUD" and other.width > 1 and (other.x or other.y)
     )
-    places = (
-        (float(r.x - region.x), float(r.y - region.y), float(r.width), float(r.height))
-        for r in found
-    )
-    return tuple((x, y, x + width, y + height) for x, y, width, height in places)
 
 
 def is_main_view(context: Context) -> bool:
@@ -100,23 +94,18 @@ def corner_room(
         scale: Pixels per point.
         margin: To the edges of the room [pixels].
     """
-    vertical, horizontal = corner.split("_")
+    is_left = corner.endswith("LEFT")
     space = context.space_data
     free = free_rectangle(context)
     left = free[0] + margin
     bottom = free[1] + margin
     right = free[2] - margin
     top = free[3] - margin
-    if vertical == "TOP" and horizontal == "LEFT" and space.overlay.show_text:
+    if corner == "TOP_LEFT" and space.overlay.show_text:
         top -= _TEXT_HEIGHT * scale
-    if (
-        vertical == "TOP"
-        and horizontal == "RIGHT"
-        and space.show_gizmo
-        and space.show_gizmo_navigate
-    ):
+    if corner == "TOP_RIGHT" and space.show_gizmo and space.show_gizmo_navigate:
         right -= _GIZMO_WIDTH * scale
-    if horizontal == "LEFT":
+    if is_left:
         right = min(right, left + width)
     else:
         left = max(left, right - width)
@@ -125,13 +114,11 @@ def corner_room(
             bottom = max(bottom, panel[3] + margin)
     frame = camera_frame(context)
     if frame is not None and overlaps(frame, (left, bottom, right, top)):
-        beside = frame[0] - margin - left if horizontal == "LEFT" else right - frame[2] - margin
-        if beside < _LEAST_BESIDE * scale and vertical == "BOTTOM":
+        beside = frame[0] - margin - left if is_left else right - frame[2] - margin
+        if beside >= _LEAST_BESIDE * scale:
+            left, right = (left, left + beside) if is_left else (right - beside, right)
+        elif corner.startswith("BOTTOM"):
             top = min(top, frame[1] - margin)
-        elif beside < _LEAST_BESIDE * scale:
-            bottom = max(bottom, frame[3] + margin)
-        elif horizontal == "LEFT":
-            right = left + beside
         else:
-            left = right - beside
+            bottom = max(bottom, frame[3] + margin)
     return left, bottom, max(right, left), max(top, bottom)
