@@ -338,33 +338,21 @@ def add_body(
     x, y = corner
     for number, view in enumerate(VIEWS):
         middle = x + (2 * number + 1) * HALF_WIDTH * unit
+        left = 1.0 if view == "front" else -1.0  # the side of its left hand
         for limb in figure(view):
             colour = colour_of(parts[limb.part]) if limb.part in parts else _ABSENT
-            start, end = (
-                (middle + place[0] * unit, y + place[1] * unit) for place in (limb.start, limb.end)
-            )
+            ends = np.array([limb.start, limb.end]) * unit + (middle, y)
+            start, end = ends.tolist()
             builder.line(start, end, colour, limb.width * unit)
             edge = 0.3 * limb.width * unit
-            low, high = (
-                np.array([pick(start[k], end[k]) for k in (0, 1)]) + shift
-                for pick, shift in ((min, -edge), (max, edge))
-            )
+            low, high = ends.min(axis=0) - edge, ends.max(axis=0) + edge
             for spot in (one for one in spots if one.part == limb.part):
-                share = np.array(
-                    (1.0 - spot.across if view == "front" else spot.across, 1.0 - spot.down)
-                )
+                share = 0.5 + left * (0.5 - spot.across), 1.0 - spot.down
                 at = (low + share * (high - low)).tolist()
                 builder.line(at, at, (*_WHITE[:3], 0.25 + 0.75 * spot.amplitude), 2.5)
         words = said(view)
         width = builder.width(words, SMALL_TEXT)
         builder.text(words, (middle - width / 2, y + HEIGHT * unit + 6), FAINT_INK, SMALL_TEXT)
-        for side, place in (
-            ("L", 1.0 if view == "front" else -1.0),
-            ("R", -1.0 if view == "front" else 1.0),
-        ):
-            builder.text(
-                side,
-                (middle + place * 0.52 * unit - 3, y + 0.06 * unit),
-                FAINT_INK,
-                SMALL_TEXT,
-            )
+        for side, place in (("L", left), ("R", -left)):
+            at = middle + place * 0.52 * unit - 3, y + 0.06 * unit
+            builder.text(side, at, FAINT_INK, SMALL_TEXT)
