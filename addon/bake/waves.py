@@ -52,13 +52,10 @@ def computed(track: HapticTrack, listeners: Sequence[Listener]) -> Waves | None:
         at = track.frame_start + frame - 1 - math.floor(origin)
         waves.write_sources(slice(at, at + 1), amplitudes)
     numbers, rows = np.unique(track.row_source, return_index=True)
-    begun = [
-        (track.sources[number].onset, row)
-        for number, row in zip(numbers, rows, strict=True)
-        if track.sources[number].second_object
-    ]
-    onset = np.array([time for time, _ in begun])
-    gains = track.row_gain[np.array([row for _, row in begun], dtype=np.int64)].astype(np.float64)
+    begun = [track.sources[number] for number in numbers]
+    struck = np.array([bool(item.second_object) for item in begun], dtype=np.bool_)
+    onset = np.array([item.onset for item in begun])[struck]
+    gains = track.row_gain[rows[struck]].astype(np.float64)
     waves.add_impacts(track.frame_start + (onset - track.start) / track.frame_duration, gains)
     return waves
 

@@ -133,10 +133,10 @@ def _choice(obj: Object | None) -> str:
 def _adjusted(settings: Any) -> JsonObject:
     if settings is None:
         return {}
-    defaults = {key: shortest(settings.bl_rna.properties[key].default) for key in ADJUSTED}
     used = {
         key: value
         for key in ADJUSTED
-        if (value := shortest(getattr(settings, key))) != defaults[key]
+        if (value := shortest(getattr(settings, key)))
+        != shortest(settings.bl_rna.properties[key].default)
     }
     return {EXTRAS: used} if used else {}

@@ -58,8 +58,7 @@ def placed_annotations(
         cues: words about objects out of sight.
     """
     builder = HudBuilder(scale)
-    if cues:
-        _add_cues(builder, cues, free, occupied)
+    _add_cues(builder, cues, free, occupied)
     placed = builder.build()
     if legend != "NONE":
         taken = (*occupied, *placed.bounds, *(() if frame is None else (frame,)))

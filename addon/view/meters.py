@@ -58,15 +58,11 @@ def draw_pixels(spots: Sequence[Spot] = ()) -> None:
     """Draw callback: the meters, with the actuators that play at ``spots``."""
     context = bpy.context
     scene, space = context.scene, context.space_data
-    if scene is not None and space is not None:
-        _refresh_panels(context)
-    if (
-        scene is None
-        or space is None
-        or not scene.haptics.meters.show
-        or not space.overlay.show_overlays
-        or not is_main_view(context)
-    ):
+    if scene is None or space is None:
+        return
+    _refresh_panels(context)
+    meters = scene.haptics.meters
+    if not (meters.show and space.overlay.show_overlays and is_main_view(context)):
         return
     if not levels_of(scene):
         _shown.pop(context.region.as_pointer(), None)

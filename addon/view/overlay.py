@@ -26,8 +26,7 @@ from ..session import sessions
 from ..session.derived import Derived
 from . import inspection, meters, shader, touching_shape
 from .annotations import LegendSide, placed_annotations
-from .cues import Cue, cues_of
-from .hud import Rectangle
+from .cues import cues_of
 from .layout import camera_frame, free_rectangle, is_main_view, pixels_per_point, redo_panels
 from .options import options_of
 from .quads import Quads, quads
@@ -176,11 +175,7 @@ def draw_annotations(
     perspective: FloatArray,
     size: Size,
     scale: float,
-    free: Rectangle,
-    occupied: tuple[Rectangle, ...] = (),
-    legend: LegendSide = "RIGHT",
-    frame: Rectangle | None = None,
-    cues: tuple[Cue, ...] = (),
+    *around: Any,
 ) -> None:
     """Draw labels, cues and legend.
 
@@ -189,29 +184,12 @@ def draw_annotations(
         perspective: From metres in the world to clip space (4, 4).
         size: Of the viewport [pixels].
         scale: Pixels per point.
-        free: The part of the viewport that the user interface does not cover.
-        occupied: Rectangles in it where something else is drawn.
-        legend: The side of the legend.
-        frame: The camera's frame, which the legend does not cover.
-        cues: Words about objects out of sight.
+        around: What else `placed_annotations` takes.
     """
-    around = free, occupied, legend, frame, cues
     key = (perspective.tobytes(), size, scale, *around, bpy.app.translations.locale)
     known = drawing.views.get(key)
     if known is None:
-        known = uploaded(
-            placed_annotations(
-                drawing.shapes.data,
-                perspective,
-                size,
-                scale,
-                free,
-                occupied,
-                legend,
-                frame,
-                cues,
-            )
-        )
+        known = uploaded(placed_annotations(drawing.shapes.data, perspective, size, scale, *around))
         drawing.views[key] = known
     draw_flat(known, size, scale)
 
