@@ -170,12 +170,10 @@ class _Builder:
     def add_listener(self, item: Listener) -> None:
         """Add a listener, as `add_source` does."""
         obj = self._holder(item, "listener")
-        muted = item.extras.get(MUTED) is True
-        extras = (
-            {key: value for key, value in item.extras.items() if key != MUTED}
-            if muted
-            else item.extras
-        )
+        extras = dict(item.extras)
+        muted = extras.get(MUTED) is True
+        if muted:
+            del extras[MUTED]
         for loss in write_listener(obj.haptics.listener, replace(item, extras=extras)):
             self.lose(loss, item.name)
         if muted:

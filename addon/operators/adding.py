@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import time
 
-import bmesh
 import bpy
 from bpy.types import Context, Object, Scene
 from mathutils import Matrix, Vector
 
 from ...core.scene.materials import MATERIALS
-from ...sample_scenes import SAMPLES, build_sample
+from ...sample_scenes import SAMPLES, build_sample, geometry
 from ..authoring import materials
 from ..blender.compatibility import animated_paths
 from ..blender.polling import Edit, OnActive
@@ -53,7 +52,8 @@ class HAPTIC_OT_add_source_object(Edit):
             obj = bpy.data.objects.new(title, None)
             obj.empty_display_type, obj.empty_display_size = "SPHERE", 0.1
         else:
-            obj = bpy.data.objects.new(title, _cylinder(title))
+            standing = geometry.cylinder(0.05, 0.2, 16).moved(z=0.1)
+            obj = bpy.data.objects.new(title, geometry.to_mesh(title, standing, ()))
         _link(context, obj)
         if carrier is not None:
             obj.parent = carrier
@@ -63,19 +63,6 @@ class HAPTIC_OT_add_source_object(Edit):
         obj.matrix_basis = place
         make_source(obj, self.kind)
         obj.haptics.source.frequency = frequency
-
-
-def _cylinder(name: str) -> bpy.types.Mesh:
-    """A cylinder 10 cm wide and 20 cm high, standing on its origin."""
-    mesh = bpy.data.meshes.new(name)
-    edited = bmesh.new()
-    upwards = Matrix.Translation((0, 0, 0.1))
-    bmesh.ops.create_cone(
-        edited, cap_ends=True, segments=16, radius1=0.05, radius2=0.05, depth=0.2, matrix=upwards
-    )
-    edited.to_mesh(mesh)
-    edited.free()
-    return mesh
 
 
 def _link(context: Context, obj: Object) -> None:
@@ -167,15 +154,8 @@ class HAPTIC_OT_add_medium(Edit):
         ]
         low = Vector(map(min, zip(*corners, strict=True)))
         high = Vector(map(max, zip(*corners, strict=True)))
-        mesh = bpy.data.meshes.new(material.title)
-        edited = bmesh.new()
-        bmesh.ops.create_cube(
-            edited,
-            size=1.0,
-            matrix=Matrix.Diagonal((*(high - low + Vector((0.5, 0.5, 0.5)) * metre), 1)),
-        )
-        edited.to_mesh(mesh)
-        edited.free()
+        volume = geometry.box(tuple(high - low + Vector((0.5, 0.5, 0.5)) * metre))
+        mesh = geometry.to_mesh(material.title, volume, ())
         obj = bpy.data.objects.new(material.title, mesh)
         _link(context, obj)
         obj.location = (low + high) / 2

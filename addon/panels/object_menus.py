@@ -94,8 +94,7 @@ class HAPTIC_MT_add(Menu):
         layout.operator_context = "EXEC_REGION_WIN"
         layout.operator_enum("haptic.add_source_object", "kind")
         layout.separator()
-        layout.operator("haptic.add_medium", text="Air", icon="FORCE_WIND").medium = "air"
-        layout.operator("haptic.add_medium", text="Water", icon="MOD_FLUIDSIM").medium = "water"
+        layout.operator_enum("haptic.add_medium", "medium")
         layout.separator()
         layout.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
         layout.menu("HAPTIC_MT_samples", icon="SCENE_DATA")
