@@ -14,9 +14,9 @@ import bpy
 from bpy.types import Context, Header, Operator, WindowManager
 from bpy.types import Event as WindowEvent
 
-from .polling import Need
+from .polling import Action, Need
 from .text import wrapped
-from .words import said, told
+from .words import Told, said, told
 
 BUDGET = 0.1
 """Seconds of work between two rounds of events."""
@@ -153,8 +153,8 @@ IDLE = Need(
 
 
 def run(operator: Operator, context: Context, job: Job) -> set[str]:
-    """Run a job for an operator: in steps if there is a window, else at once. ValueError and
-    OSError are reported."""
+    """Run a job for an operator: in steps if there is a window, else at once. Raises what the job
+    raises, and ValueError while another one runs."""
     if (
         operator.options.is_invoke
         and not bpy.app.background
@@ -162,8 +162,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
         and job.total > 1
     ):
         if Job.in_window is not None:
-            operator.report({"ERROR"}, told("{} is not done yet", Job.in_window.label))
-            return {"CANCELLED"}
+            raise Told("{} is not done yet", Job.in_window.label)
         job.asks = True
         Job.in_window = job
         bpy.app.timers.register(_start, first_interval=0.05)  # the file browser closes first
@@ -173,9 +172,6 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
     try:
         while (reports := job.advance(BUDGET)) is None:
             manager.progress_update(job.done)
-    except (ValueError, OSError) as error:
-        operator.report({"ERROR"}, str(error))
-        return {"CANCELLED"}
     finally:
         manager.progress_end()
         job.cancel()
@@ -190,10 +186,9 @@ def _start() -> None:
         bpy.ops.haptic.run_job("INVOKE_DEFAULT")
 
 
-class HAPTIC_OT_run_job(Operator):
+class HAPTIC_OT_run_job(Action):
     """Step through the frames; ESC cancels"""
 
-    bl_idname = "haptic.run_job"
     bl_label = "Haptics"
     bl_options = {"INTERNAL"}
 
@@ -249,10 +244,9 @@ class HAPTIC_OT_run_job(Operator):
         _redraw(context.window_manager)
 
 
-class HAPTIC_OT_replace_files(Operator):
+class HAPTIC_OT_replace_files(Action):
     """Replace files by ones that keep little of the vibration"""
 
-    bl_idname = "haptic.replace_files"
     bl_label = "Replace Files?"
     bl_options = {"INTERNAL"}
 
@@ -265,10 +259,9 @@ class HAPTIC_OT_replace_files(Operator):
             for line in wrapped(text, LINE):
                 column.label(text=line)
 
-    def execute(self, context: Context) -> set[str]:
+    def apply(self, context: Context) -> None:
         if Job.in_window is not None:
             Job.in_window.answer(True)
-        return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:
         if Job.in_window is not None:

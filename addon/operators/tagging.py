@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
-from bpy.types import Context, Event, Object, Scene
+from bpy.types import Context, Object, Scene
 from mathutils import Vector
 
 from ...core.scene.materials import is_wide_and_flat
@@ -61,9 +61,6 @@ class HAPTIC_OT_make_objects(OnSelected):
         "Add Physics",
         "Make the objects rigid bodies: wide and flat ones are passive, all others fall",
     )
-
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        return self.execute(context)
 
     def apply(self, context: Context) -> None:
         chosen = context.selected_objects
