@@ -7,19 +7,18 @@ from typing import Any
 
 import bpy
 from bpy.props import StringProperty
-from bpy.types import Context, Event, Object
+from bpy.types import Context, Event
 
 from ...core.formats import haptic_scene, registry
 from ...core.formats.io.catalogue import READERS
-from ..blender.polling import SOLID_TYPES, Edit, OnActive
-from ..blender.words import Told
+from ..blender.polling import Edit, OnActive
 from ..io import scene_builder, vibration_signal
 from ..properties.kinds import switch, whole
 from ..properties.sound import SOUNDS, sound_path
 from ..scene_reader import imported
-from ..scene_reader.roles import haptic_carrier
 from .exporting import MOST_REPORTED
 from .signals import convert_sound
+from .tagging import let_shake
 
 
 class _FromFile:
@@ -74,8 +73,9 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive):
         reading = registry.read(bpy.path.abspath(self.filepath))
         channel = vibration_signal.chosen_channel(reading, self.channel)
         signal = vibration_signal.signal_of(channel, self.loop)
-        _let_shake(obj)
+        let_shake(context.scene, obj)
         source = obj.haptics.source
+        source.enabled = True
         source.imported = imported.text_of(signal=signal.to_dict())
         source.signal = "KEPT"
         for loss in reading.losses[:MOST_REPORTED]:
@@ -102,18 +102,8 @@ class HAPTIC_OT_import_sound(_FromFile, OnActive):
     def apply(self, context: Context) -> set[str]:
         source = context.object.haptics.source
         sound_path(context.object, self.filepath)
-        _let_shake(context.object)
+        let_shake(context.scene, context.object)
+        source.enabled = True
         source.signal, source.sound.origin = "SOUND", "FILE"
         source.sound.filepath, source.sound.loop = self.filepath, self.loop
         return convert_sound(self, context, context.object)
-
-
-def _let_shake(obj: Object) -> None:
-    """Make an object a source, and haptic unless it is on one that is. Raises ValueError if it
-    cannot be."""
-    if haptic_carrier(obj) is None:
-        if obj.type not in SOLID_TYPES:
-            words = "'{}' has no surface: parent it to a haptic object, so that it has something to shake"
-            raise Told(words, obj.name)
-        obj.haptics.enabled = True
-    obj.haptics.source.enabled = True

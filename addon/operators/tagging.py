@@ -147,19 +147,23 @@ class HAPTIC_OT_add_source(OnActive):
     )
 
     def apply(self, context: Context) -> None:
-        obj = context.object
-        if haptic_carrier(obj) is None:
-            if obj.type not in SOLID_TYPES:
-                raise ValueError(
-                    linked_message([obj])
-                    or told(
-                        "'{}' has no surface: parent it to a haptic object first, so that it has "
-                        "something to shake",
-                        obj.name,
-                    )
+        let_shake(context.scene, context.object)
+        make_source(context.object, self.signal)
+
+
+def let_shake(scene: Scene, obj: Object) -> None:
+    """Make an object haptic unless it is on one that is. Raises ValueError if it cannot be."""
+    if haptic_carrier(obj) is None:
+        if obj.type not in SOLID_TYPES:
+            raise ValueError(
+                linked_message([obj])
+                or told(
+                    "'{}' has no surface: parent it to a haptic object first, so that it has "
+                    "something to shake",
+                    obj.name,
                 )
-            make_haptic(context.scene, [obj])
-        make_source(obj, self.signal)
+            )
+        make_haptic(scene, [obj])
 
 
 def make_source(obj: Object, signal: str) -> None:
