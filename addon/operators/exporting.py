@@ -427,9 +427,5 @@ def with_ending(path: str, known: Collection[str], ending: str) -> str:
 
 
 def export_name(path: str) -> str:
-    """The chosen name without its ending, from which file names are made."""
-    name = Path(path).name
-    for suffix in SCENE_ENDINGS:
-        name = name[: -len(suffix)] if name.lower().endswith(suffix) else name
-    stem = Path(name).stem if Path(name).suffix in TRACK_ENDINGS else name
-    return stem or "haptics"
+    """The chosen name without its ending, from which file names are made, "haptics" without one."""
+    return with_ending(Path(path).name, (*SCENE_ENDINGS, *TRACK_ENDINGS), "") or "haptics"

@@ -303,7 +303,7 @@ def test_endings_follow_the_format():
         "b",
         "b.v2",
         "b.v2",
-        ".wav",
+        "haptics",
     ]
 
 
