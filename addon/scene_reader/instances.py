@@ -95,14 +95,17 @@ def instanced_in_vain(depsgraph: Depsgraph) -> list[Object]:
         for obj in depsgraph.view_layer.objects
         if obj.instance_type == "COLLECTION"
         and obj.instance_collection is not None
-        and any(is_tagged(o) and not counts(o) for o in obj.instance_collection.all_objects)
+        and any(is_tagged(shown) and not counts(shown) for shown in with_instanced([obj])[1:])
     ]
 
 
 def with_instanced(objects: Iterable[Object]) -> list[Object]:
-    """Objects, and those of the collections that they show."""
-    found = dict.fromkeys(objects)
-    for obj in tuple(found):
+    """Objects, and then those of the collections that they show, and that these show."""
+    found = list(dict.fromkeys(objects))
+    known = set(found)
+    for obj in found:
         if obj.instance_collection is not None:
-            found.update(dict.fromkeys(obj.instance_collection.all_objects))
-    return list(found)
+            shown = [each for each in obj.instance_collection.all_objects if each not in known]
+            found += shown
+            known.update(shown)
+    return found

@@ -84,6 +84,32 @@ def test_instances_of_a_collection_touch_as_the_same_objects_made_real(crates):
         )
 
 
+def test_instances_in_instances_touch_as_the_same_objects_made_real(crates, add_empty, scene):
+    """Two stores of three places each, made haptic by the stores."""
+    _, places = crates
+    store = bpy.data.collections.new("store")
+    for empty in places:
+        empty.haptics.enabled = False
+        scene.collection.objects.unlink(empty)
+        store.objects.link(empty)
+    for obj in places[0].instance_collection.objects:
+        obj.haptics.enabled = False
+    stores = [add_empty(f"store {k}", (0, 4 * k, 0)) for k in range(2)]
+    for empty in stores:
+        empty.instance_type, empty.instance_collection = "COLLECTION", store
+    make_haptic(*stores)
+    result = traced()
+    names = {
+        f"store {s}: {obj} {place}.{k}"
+        for s in range(2)
+        for place in range(3)
+        for k, obj in enumerate(("crate", "lid"))
+    }
+    assert set(result.objects) == {"floor", *names}
+    crate = {frozenset((name, "floor")) for name in names if ": crate" in name}
+    assert {pair for pair in pairs(result) if "floor" in pair} == crate and len(crate) == 6
+
+
 def test_names_stay_while_instancers_move_and_change(crates):
     _, places = crates
     for frame, z in ((1, 0.0), (5, 1.0)):
