@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.hull import convex_hull
 from haptic_tracing.core.contacts.motion import rotations
+from haptic_tracing.core.contacts.narrow.hull_triangles import depths_in_hull
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.shapes import Box, Capsule, Cone, ConvexHull, Cylinder
 from hypothesis import example, given, settings
@@ -102,3 +104,32 @@ def test_what_is_not_confirmed_is_found_among_others():
         part = slice(k, k + 1)
         alone = narrow.query(pairs[part], rotation[..., part], offset[:, part], limit[part])
         assert alone.distance[0] == together[k]
+
+
+def overlap_along(ways, first, second):
+    """Overlaps of the hulls of points (m, 3) along unit directions (n, 3), by their definition."""
+    return (ways @ first.T).max(axis=1) - (ways @ second.T).min(axis=1)
+
+
+def test_no_direction_separates_a_triangle_from_a_hull_with_less():
+    """Also where faces are parallel, so that some points are as deep as others."""
+    generator = np.random.default_rng(3)
+    examined = 0
+    for trial in range(20):
+        hull = convex_hull(generator.normal(size=(30, 3)).round(trial % 3))
+        corners = (generator.normal(size=(3, 3, 8)) * 0.5).round(trial % 4 + 1)
+        found, sure = depths_in_hull(hull, corners)
+        examined += int(sure.sum())
+        for k in sure.nonzero()[0]:
+            both = hull.points, corners[..., k].T
+            normal, depth = found.normal[:, k], -found.distance[k]
+            assert overlap_along(normal[None], *both)[0] == pytest.approx(depth, abs=2e-9)
+            near = directions_around(generator, normal, 2000)
+            everywhere = generator.normal(size=(5000, 3))
+            everywhere /= np.linalg.norm(everywhere, axis=1)[:, None]
+            for ways in (near, everywhere):
+                assert overlap_along(ways, *both).min() > depth - 2e-9
+            first, second = found.first[:, k], found.second[:, k]
+            np.testing.assert_allclose(first - second, depth * normal, atol=1e-12)
+            assert (hull.planes()[0] @ first <= hull.planes()[1] + 1e-6).all()
+    assert examined > 100
