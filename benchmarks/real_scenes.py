@@ -102,25 +102,35 @@ def _subdivide(obj: Object) -> None:
     work.free()
 
 
-def pile() -> None:
-    """40 rings of shape *Mesh* that fall onto each other."""
+def _falling(rings: int, sides: int, per_layer: int) -> None:
+    """Rings of shape *Mesh* that fall onto a ground and each other, each of 8 triangles a side."""
     scene = bpy.context.scene
     bpy.ops.rigidbody.world_add()
     world = scene.rigidbody_world
     world.collection = bpy.data.collections.new("bodies")
     world.point_cache.frame_end = FRAMES
     ground = _object("Ground", _box("ground", (8, 8, 0.4)), (0, 0, -0.2))
-    ring, random = _around_hole("ring", _RING, 28), np.random.default_rng(40)
-    rings = []
-    for k in range(40):
-        layer, number = divmod(k, 4)
+    ring, random = _around_hole("ring", _RING, sides), np.random.default_rng(40)
+    bodies = [ground]
+    for k in range(rings):
+        layer, number = divmod(k, per_layer)
         place = 0.4 * (number % 2), 0.4 * (number // 2), 0.4 + 0.3 * layer
-        rings.append(_object(f"Ring.{k:03d}", ring, place))
-        rings[-1].rotation_euler = random.uniform(-0.4, 0.4, 3)
-    for obj in (ground, *rings):
+        bodies.append(_object(f"Ring.{k:03d}", ring, place))
+        bodies[-1].rotation_euler = random.uniform(-0.4, 0.4, 3)
+    for obj in bodies:
         world.collection.objects.link(obj)
         obj.rigid_body.type = "PASSIVE" if obj is ground else "ACTIVE"
         obj.rigid_body.collision_shape = "BOX" if obj is ground else "MESH"
+
+
+def pile() -> None:
+    """40 rings of 224 triangles that fall onto each other."""
+    _falling(40, 28, 4)
+
+
+def rings() -> None:
+    """Two rings of 784 triangles, of which one falls onto the other."""
+    _falling(2, 98, 1)
 
 
 def city() -> None:
@@ -162,7 +172,8 @@ def arms_seen() -> None:
 
 
 SCENES: dict[str, Callable[[], None]] = {
-    scene.__name__: scene for scene in (kitchen, robots, walker, pile, city, house, arms, arms_seen)
+    scene.__name__: scene
+    for scene in (kitchen, robots, walker, pile, rings, city, house, arms, arms_seen)
 }
 
 
