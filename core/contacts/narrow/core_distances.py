@@ -120,7 +120,7 @@ class CoreDistances:
         corners = self._pairing.corners(
             rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b
         )
-        half = self._table.half[:, :, rows.first]
+        half = taken(self._table.half, rows.first)
         if kind == Kind.POINT:
             found = exact(point_to_triangle(rows.centre_a, corners))
         elif kind == Kind.SEGMENT:
@@ -167,15 +167,15 @@ class CoreDistances:
         turn = relative(rows.rotation_a, rows.rotation_b)
         centre_a, centre_b = self._middles(rows)
         offset = turned_back(rows.rotation_a, centre_b - centre_a)
-        halves = table.bound_half[:, rows.first], table.bound_half[:, rows.second]
+        halves = taken(table.bound_half, rows.first), taken(table.bound_half, rows.second)
         return best_axes(turn, offset, *halves)[0]
 
     def _middles(self, rows: CorePairs) -> tuple[FloatArray, FloatArray]:
         """The middles (3, n) of these boxes."""
         middle = self._table.bound_centre
         return (
-            rows.centre_a + turned(rows.rotation_a, middle[:, rows.first]),
-            rows.centre_b + turned(rows.rotation_b, middle[:, rows.second]),
+            rows.centre_a + turned(rows.rotation_a, taken(middle, rows.first)),
+            rows.centre_b + turned(rows.rotation_b, taken(middle, rows.second)),
         )
 
     def near_by_fcl(self, rows: CorePairs, limit: FloatArray) -> Separation:

@@ -82,8 +82,8 @@ class _Placing(NamedTuple):
     def of(self, pair: IntArray, points: FloatArray) -> FloatArray:
         """Points (3, n) or (3, k, n) of first surfaces, in the frames of the second ones; ``pair``
         (n,): number of the pair of each point."""
-        shift = self.shift[:, pair]
-        return turned(self.turn[..., pair], points) + (
+        shift: FloatArray = taken(self.shift, pair)
+        return turned(taken(self.turn, pair), points) + (
             shift if points.ndim == 2 else shift[:, None]
         )
 
@@ -120,8 +120,8 @@ class CorePairing:
         flipped = table.kind[first] > table.kind[second]
         first, second = np.where(flipped, second, first), np.where(flipped, first, second)
         # The first body of a pair is at the origin.
-        turn = rotation[..., owner]
-        place = offset[:, owner]
+        turn = taken(rotation, owner)
+        place = taken(offset, owner)
         upright = np.eye(3)[:, :, None]
         rotation_a, centre_a = self._world(
             first, np.where(flipped, turn, upright), np.where(flipped, place, 0.0)
@@ -164,8 +164,8 @@ class CorePairing:
         """Poses of cores of bodies in these poses."""
         if not self._table.placed:
             return rotation, centre
-        return product(rotation, self._table.rotation[..., core]), centre + turned(
-            rotation, self._table.offset[:, core]
+        return product(rotation, taken(self._table.rotation, core)), centre + turned(
+            rotation, taken(self._table.offset, core)
         )
 
     def mesh(self, core: int) -> MeshIndex:
@@ -180,10 +180,10 @@ class CorePairing:
         middle = turned_back(
             rows.rotation_b,
             rows.centre_a
-            + turned(rows.rotation_a, table.bound_centre[:, rows.first])
+            + turned(rows.rotation_a, taken(table.bound_centre, rows.first))
             - rows.centre_b,
         )
-        half = turned(np.abs(turn), table.bound_half[:, rows.first])
+        half = turned(np.abs(turn), taken(table.bound_half, rows.first))
         half += rows.radius_a + rows.radius_b + np.maximum(reach, 0.0)
         bounds = np.stack([middle - half, middle + half]).transpose(2, 0, 1)
         row = []
@@ -236,9 +236,10 @@ class CorePairing:
         none = np.zeros(0, dtype=np.int64)
         found: list[tuple[IntArray, IntArray, IntArray]] = [(none, none, none)]
         for numbers in map(np.array, alike.values()):
-            turn = relative(rows.rotation_b[..., numbers], rows.rotation_a[..., numbers])
-            way = rows.centre_a[:, numbers] - rows.centre_b[:, numbers]
-            placing = _Placing(turn, turned_back(rows.rotation_b[..., numbers], way))
+            some = chosen_of(rows, numbers)
+            turn = relative(some.rotation_b, some.rotation_a)
+            way = some.centre_a - some.centre_b
+            placing = _Placing(turn, turned_back(some.rotation_b, way))
             first, second = (
                 self._surfaces[int(core[numbers[0]])] for core in (rows.first, rows.second)
             )
@@ -287,10 +288,10 @@ class CorePairing:
         pair, near = first.index.near(
             placing.back_to_first(second, within if second.depth > 0 else reach)
         )
-        middle_a = placing.of(pair, first.middles[:, near])
+        middle_a = placing.of(pair, taken(first.middles, near))
         radius_a = first.radii[near]
         middle_b, radius_b = second.middles, second.radii
-        normal = turned(placing.turn[..., pair], first.normals[:, near])
+        normal = turned(taken(placing.turn, pair), taken(first.normals, near))
         half = np.abs(normal) * reach[pair] + radius_a
         bounds = np.stack([middle_a - half, middle_a + half])
         counts = np.ones((len(reach), len(radius_b)), dtype=np.bool_)

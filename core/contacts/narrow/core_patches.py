@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, taken
 from .closed_forms import Separation
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind
@@ -20,6 +20,11 @@ _DRAWN_ROUGHLY = np.array([Kind.CYLINDER <= kind <= Kind.HULL for kind in Kind])
 
 _NEAR = 1e-3
 """Metres from the nearest points of two cores within which their patch must lie."""
+
+
+_TOGETHER = 64
+"""Number of pairs up to which polygons of few corners count as those of many: one call takes less
+time than several."""
 
 
 class CorePatches:
@@ -57,6 +62,8 @@ class CorePatches:
         first -= middle[:, None]
         second -= middle[:, None]
         gap = ROUGHNESS if rows.triangle_b is None else PATCH_GAP
+        if count <= _TOGETHER:
+            many_a[:], many_b[:] = many_a.any(), many_b.any()
         parts = []
         for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
             alike = np.flatnonzero(
@@ -67,9 +74,9 @@ class CorePatches:
                     (
                         alike,
                         patches(
-                            first[:, :corners_a, alike],
-                            second[:, :corners_b, alike],
-                            normal[:, alike],
+                            taken(first[:, :corners_a], alike),
+                            taken(second[:, :corners_b], alike),
+                            taken(normal, alike),
                             gap,
                         ),
                     )
@@ -85,8 +92,8 @@ class CorePatches:
         )
         if faceted.any():
             some = chosen_of(rows, faceted)
-            place = middle[:, faceted]
-            around = directions(normal[:, faceted])
+            place = taken(middle, faceted)
+            around = directions(taken(normal, faceted))
             reaches = [
                 reach(self._table, core, rotation, centre, place, around)
                 for core, rotation, centre in (
@@ -122,10 +129,7 @@ class CorePatches:
         """
         if triangle is None:
             return polygons(self._table, core, rotation, centre, direction)
-        # The last one repeated.
-        corners = self._pairing.corners(core, triangle, rotation, centre)[
-            :, np.minimum(np.arange(MANY), 2)
-        ]
+        corners = self._pairing.corners(core, triangle, rotation, centre)
         return corners, np.zeros(len(core), dtype=np.bool_), np.ones(len(core), dtype=np.bool_)
 
 

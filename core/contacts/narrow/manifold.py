@@ -106,8 +106,8 @@ def patches(
     # Boundary of the first inside the second, and of the second strictly inside the first: a shared
     # edge counts once.
     pieces = [
-        _clipped(a, after_a, _moved(_lines(b, after_b), slack)),
-        _clipped(b, after_b, _moved(_lines(a, after_a), -slack)),
+        _clipped(a, after_a, _lines(b, after_b, slack)),
+        _clipped(b, after_b, _lines(a, after_a, -slack)),
     ]
     start, end = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(2))
     used = np.concatenate([piece[2] for piece in pieces])
@@ -184,30 +184,28 @@ def _counter_clockwise(polygon: FloatArray) -> FloatArray:
     return np.where(area < 0, polygon[:, ::-1], polygon)
 
 
-def _lines(polygon: FloatArray, after: FloatArray) -> FloatArray:
-    """The edges of polygons, each from a corner to the one ``after`` it, as half-planes (3, k, n):
-    ``l[0] x + l[1] y + l[2] >= 0`` inside, in metres. One without length holds everywhere."""
+def _lines(polygon: FloatArray, after: FloatArray, outwards: FloatArray) -> FloatArray:
+    """The edges of polygons, each from a corner to the one ``after`` it, as half-planes (3, k, n)
+    that reach so far ``outwards`` (n,) [m]: ``l[0] x + l[1] y + l[2] >= 0`` inside, in metres. One
+    without length holds everywhere."""
     way = after - polygon
     length = np.sqrt(dot(way, way))
     real = length > 0
     across = np.array([-way[1], way[0]]) / np.where(real, length, 1.0)
-    return np.concatenate([across, np.where(real, -dot(across, polygon), 1e30)[None]])
-
-
-def _moved(lines: FloatArray, outwards: FloatArray) -> FloatArray:
-    moved = lines.copy()
-    moved[2] += outwards
-    return moved
+    return np.concatenate([across, np.where(real, -dot(across, polygon), 1e30)[None] + outwards])
 
 
 def _clipped(
     start: FloatArray, end: FloatArray, lines: FloatArray
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """The part of each segment (2, k, n) that satisfies all lines (3, m, n), and whether there is
-    one (k, n)."""
-    f0, f1 = (dot(ends[:, :, None], lines[:2, None]) + lines[2] for ends in (start, end))
+    """The part of each edge (2, k, n) of polygons, from a corner to the next, that satisfies all
+    lines (3, m, n), and whether there is one (k, n)."""
+    f0 = start[0, :, None] * lines[0]
+    f0 += start[1, :, None] * lines[1]
+    f0 += lines[2]
+    f1 = np.concatenate([f0[1:], f0[:1]])
     out0 = f0 < 0
-    out1 = f1 < 0
+    out1 = np.concatenate([out0[1:], out0[:1]])
     crossing = out0 != out1
     t = np.divide(f0, f0 - f1, out=np.zeros_like(f0), where=crossing)
     begin = np.where(out0 & crossing, t, 0.0).max(axis=1)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray, chosen_of, joined
+from ...arrays import FloatArray, IntArray, chosen_of, joined, taken
 from ..shapes import Compound, Shape
 from .body_patches import CoreContacts, PairPatches, core_contacts, reduced
 from .box_pairs import BoxPairs
@@ -105,7 +105,7 @@ class NarrowPhase:
             return found
         others = np.delete(np.arange(len(pairs)), boxes.rows)
         rest = self._known_or_general(
-            pairs[others], rotation[..., others], offset[:, others], limit[others]
+            pairs[others], taken(rotation, others), taken(offset, others), limit[others]
         )
         return PairPatches.joined(len(pairs), (boxes.rows, found), (others, rest))
 
@@ -117,13 +117,15 @@ class NarrowPhase:
         mine, others = kept.nonzero()[0], (~kept).nonzero()[0]
 
         def general(rows: IntArray) -> PairPatches:
-            return self._general(pairs[rows], rotation[..., rows], offset[:, rows], limit[rows])
+            return self._general(
+                pairs[rows], taken(rotation, rows), taken(offset, rows), limit[rows]
+            )
 
         if len(mine) == 0:
             return general(others)
         found = self._known.of(
             [(self._shapes[a], self._shapes[b]) for a, b in pairs[mine].tolist()],
-            (rotation[..., mine], offset[:, mine], limit[mine]),
+            (taken(rotation, mine), taken(offset, mine), limit[mine]),
             lambda rows: general(mine[rows]),
         )
         return PairPatches.joined(len(pairs), (mine, found), (others, general(others)))

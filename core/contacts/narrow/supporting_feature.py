@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray, taken
 from ..hull import Hull, hull_2d
 from .cores import CoreTable, Kind
 from .frames import cross, dot, pick, turned, turned_back
@@ -63,8 +63,8 @@ def polygons(
     local = turned_back(rotation, direction)
     for value in np.unique(kind).tolist():
         rows = np.flatnonzero(kind == value)
-        towards = local[:, rows]
-        outline = table.outline[:, core[rows]]
+        towards = taken(local, rows)
+        outline = taken(table.outline, core[rows])
         match Kind(value):
             case Kind.BOX:
                 corners[:, :FEW, rows] = box_face(towards, outline)
