@@ -295,9 +295,8 @@ def _overlap(
         offset: of the second (3,) [m].
         growth: by which the first is grown [m]; makes bodies overlap that hardly do.
     """
-    own = a.placed(_UPRIGHT, np.zeros(3))
-    first = (lambda way: own(way) + growth * way) if growth else own
+    first = (lambda way: a.farthest(way) + growth * way) if growth else a.farthest
     found = penetration(first, b.placed(rotation, offset))
     half = found.normal * (found.depth / 2)
-    deepest = np.stack([found.middle + half - growth * found.normal, found.middle - half])
+    deepest = np.array([found.middle + half - growth * found.normal, found.middle - half])
     return growth - found.depth, found.normal, deepest
