@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Depsgraph, Mesh, Object, Scene
+from bpy.types import ClothModifier, Depsgraph, Mesh, Object, Scene, SoftBodyModifier
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.bullet_shapes import (
@@ -21,7 +21,8 @@ from ...core.contacts.bullet_shapes import (
     mesh_shape,
     shape_from_bounding_box,
 )
-from ...core.contacts.shapes import MAX_TRIANGLES, Compound
+from ...core.contacts.shapes import MAX_TRIANGLES, Compound, ConvexHull
+from ...core.contacts.shapes import Mesh as MeshShape
 from ...core.contacts.surface_shape import Surface, SurfaceShape, hull_deviation, surface_shape
 from ...core.scene.values import Pose
 from ..blender.arrays import read_array
@@ -42,9 +43,30 @@ def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
     """What the shape of ``obj`` depends on beside its geometry and stretch."""
     body = obj.rigid_body
     if body is None:
-        return obj.haptics.surface, obj.haptics.sunk_in, scene.haptics.contact_tolerance
+        kept_apart = distance_of_cloth(obj, scene)
+        return obj.haptics.surface, obj.haptics.sunk_in, scene.haptics.contact_tolerance, kept_apart
     margin = body.collision_margin * metres_per_unit(scene)
     return body.collision_shape, body.mesh_source, body.use_margin, margin
+
+
+def distance_of_cloth(obj: Object, scene: Scene) -> float:
+    """How far from what it collides with Blender lets a cloth or soft body rest [m]; 0 of all other
+    objects, and where nothing collides with it."""
+    for modifier in obj.modifiers:
+        if isinstance(modifier, ClothModifier) and modifier.collision_settings.use_collision:
+            own, group = (
+                modifier.collision_settings.distance_min,
+                modifier.collision_settings.collection,
+            )
+        elif isinstance(modifier, SoftBodyModifier):
+            own, group = 0.0, modifier.settings.collision_collection
+        else:
+            continue
+        others = scene.objects if group is None else group.all_objects
+        colliders = [other.collision for other in others if other.collision is not None]
+        thickness = [collider.thickness_outer for collider in colliders if collider.use]
+        return (own + max(thickness)) * metres_per_unit(scene) if thickness else 0.0
+    return 0.0
 
 
 def collision_shape(obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
@@ -64,7 +86,10 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> S
         raise ValueError(iface_("it is larger than 10,000 km: reduce its scale, or mend its mesh"))
     if obj.rigid_body is None:
         surface = _triangles(obj, depsgraph, "FINAL")
-        return _shape_of_surface(obj, *surface, depsgraph.scene, stretch)
+        found = _shape_of_surface(obj, *surface, depsgraph.scene, stretch)
+        margin = distance_of_cloth(obj, depsgraph.scene)
+        assert isinstance(found.shape, ConvexHull | MeshShape)
+        return replace(found, shape=replace(found.shape, margin=margin)) if margin else found
     return _shape_of_body(obj, depsgraph, bounds, np.sign(scale) * lengths_of_axes(stretch))
 
 
