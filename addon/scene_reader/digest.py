@@ -25,7 +25,9 @@ from ..blender.compatibility import fcurves_in, fcurves_of
 from ..blender.paths import local_path
 from ..blender.units import metres_per_unit
 from ..properties.drawing import AMPLITUDE, FREQUENCY
+from .deformation import deformation_of, drives_others, influence_of
 from .drawings import mapping_of, points_of
+from .plain_values import PLAIN_TYPES, TRANSFORM, checksum, plain, values_of, writable
 from .present import present_objects
 from .roles import is_tagged, regions_of
 from .triggers import marker_frames
@@ -39,8 +41,9 @@ _WHOLES = (
     ("world", "physics"),
     ("start", "start"),
     ("rules", "rules"),
+    ("influences", "influences"),
 )
-_ASPECTS = ("haptics", "pose", "shape", "animation", "physics", "relations")
+_ASPECTS = ("haptics", "pose", "shape", "animation", "physics", "relations", "deformation")
 TEXTS = {
     "setting": "{} was {}, is {}",
     "frame rate": "the frame rate changed",
@@ -56,6 +59,8 @@ TEXTS = {
     "animation": "'{}': its animation changed",
     "physics": "'{}': its rigid body changed",
     "relations": "'{}': its parent, constraints or modifiers changed",
+    "deformation": "'{}': what deforms it changed",
+    "influences": "rigid body constraints or force fields changed",
     "more": "and {} more",
     "range": "frames {} to {} are played, {} to {} were baked",
     "felt": "in frame {} other gains are traced than were baked",
@@ -88,22 +93,6 @@ _NOT_FELT = frozenset(
 those whose values objects copy."""
 _ADDED = {"surface", "sunk_in", "impacts_in_units", "from_patches"}
 """Properties that the digests of earlier versions lack: left out where they have their default."""
-_NOT_EFFECTIVE = ("open_", "show_", "select", "is_active", "active", "use_pin", "strip_time")
-"""Beginnings of the names of properties of modifiers, constraints and strips that have no
-effect."""
-_PLAIN_TYPES = {"BOOLEAN", "INT", "FLOAT", "STRING", "ENUM"}
-_LONG = 60  # characters of a text that a digest holds
-_TRANSFORM = (
-    *(
-        "location",
-        "rotation_euler",
-        "rotation_quaternion",
-        "rotation_axis_angle",
-        "scale",
-        "rotation_mode",
-    ),
-    *("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale"),
-)
 _BONE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
 _WORLD = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
@@ -129,7 +118,7 @@ def digest_of(scene: Scene) -> Digest:
     settings: JsonObject = {"metres per unit": metres_per_unit(scene)}
     rules = [animation]
     for key, value in _values(scene.haptics, animated, "haptics."):
-        if scene.haptics.bl_rna.properties[key].type in _PLAIN_TYPES:
+        if scene.haptics.bl_rna.properties[key].type in PLAIN_TYPES:
             settings[key] = value
         else:
             rules.append(value)
@@ -137,12 +126,18 @@ def digest_of(scene: Scene) -> Digest:
     regions = regions_of(scene)
     moving = _with_movers(obj for obj in shown if _is_relevant(obj) or obj.name in regions)
     objects = {
-        obj.name_full: {"haptics": _haptic_sum(obj, scene), **_motion(obj)} for obj in moving
+        obj.name_full: {
+            "haptics": _haptic_sum(obj, scene),
+            **_motion(obj),
+            "deformation": deformation_of(obj, _animation(obj)[0]),
+        }
+        for obj in moving
     }
     return {
         "settings": settings,
-        "rules": _sum(rules),
+        "rules": checksum(rules),
         "start": scene.frame_start,
+        "influences": _influences(shown),
         **_physics(scene),
         "objects": objects,
     }
@@ -161,7 +156,7 @@ def motion_of(scene: Scene) -> str:
     )
     motions = [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]
     units = () if metres_per_unit(scene) == 1.0 else (metres_per_unit(scene),)
-    return _sum([_physics(scene), motions, *units])
+    return checksum([_physics(scene), motions, *units])
 
 
 def changes(before: Form, now: Digest) -> tuple[Change, ...]:
@@ -180,7 +175,8 @@ def changes(before: Form, now: Digest) -> tuple[Change, ...]:
     found += [("added", name) for name in objects if name not in old]
     found += [("removed", name) for name in old if name not in objects]
     for name, aspects in objects.items():
-        known = _mapping(old.get(name, aspects))
+        # Digests of earlier versions lack this aspect.
+        known = {"deformation": aspects["deformation"], **_mapping(old.get(name, aspects))}
         found += [(aspect, name) for aspect in _ASPECTS if known.get(aspect) != aspects[aspect]]
     more = len(found) - _MOST_CHANGES
     return (*found[:_MOST_CHANGES], *((("more", more),) if more > 0 else ()))
@@ -223,8 +219,14 @@ def _physics(scene: Scene) -> Digest:
     return {
         "frame rate": [render.fps, round(render.fps_base, 6)],
         "gravity": [round(v, 6) for v in scene.gravity] if scene.use_gravity else None,
-        "physics": None if world is None else _sum(_properties(world, _WORLD)),
+        "physics": None if world is None else checksum(values_of(world, _WORLD)),
     }
+
+
+def _influences(objects: Iterable[Object]) -> str:
+    """A checksum of the rigid body constraints and force fields among the objects."""
+    found = [(obj, *_animation(obj)) for obj in objects if drives_others(obj)]
+    return checksum([(influence_of(obj, paths), animation) for obj, paths, animation in found])
 
 
 def _layer_objects(scene: Scene) -> Iterable[Object]:
@@ -261,7 +263,7 @@ def _with_movers(objects: Iterable[Object]) -> list[Object]:
 
 def _targets(item: Any) -> Iterator[Object]:
     """The objects that a constraint or modifier refers to."""
-    for key in _keys(item, {"POINTER"}):
+    for key in writable(item, {"POINTER"}):
         if isinstance(value := getattr(item, key), Object):
             yield value
 
@@ -277,7 +279,7 @@ def _haptic_sum(obj: Object, scene: Scene) -> str:
         roles.append(marker_frames(scene, source.trigger_markers))
     if source.enabled and source.signal == "FILE":
         roles.append(_file_sum(source.filepath, obj))
-    return _sum(roles)
+    return checksum(roles)
 
 
 def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[str, Any]]:
@@ -302,7 +304,7 @@ def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[st
         elif kind == "POINTER" and value is not None:
             value = _values(value, animated, f"{path}.")
         else:
-            value = _plain(value)
+            value = plain(value)
         found.append((key, value))
     return found
 
@@ -327,7 +329,7 @@ def _datablock(value: ID) -> Any:
     except ValueError:
         curves = []
     drawn = [(points.round(6).tolist(), kinds) for points, kinds in curves]
-    return _sum([_values(value.haptics, animated, "haptics."), animation, drawn])
+    return checksum([_values(value.haptics, animated, "haptics."), animation, drawn])
 
 
 def _file_sum(stored: str, owner: Object) -> str:
@@ -357,7 +359,7 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
     paths, animation = _animation(obj, ignored)
     keys = getattr(obj.data, "shape_keys", None)
     if keys is not None:
-        animation += _animation(keys)[1] + _sum(
+        animation += _animation(keys)[1] + checksum(
             [(key.name, round(key.value, 5)) for key in keys.key_blocks if not keys.animation_data]
         )
     body = obj.rigid_body
@@ -379,22 +381,22 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
         [_effective_values(item, f'modifiers["{item.name}"].', paths) for item in obj.modifiers],
     ]
     placed = [
-        (obj, "", _TRANSFORM),
+        (obj, "", TRANSFORM),
         *(
             (bone, f'pose.bones["{bone.name}"].', _BONE)
             for bone in (obj.pose.bones if obj.pose else ())
         ),
     ]
     pose = [
-        _properties(item, [key for key in keys if f"{prefix}{key}" not in paths])
+        values_of(item, [key for key in keys if f"{prefix}{key}" not in paths])
         for item, prefix, keys in placed
     ]
     return {
-        "pose": _sum(pose),
+        "pose": checksum(pose),
         "shape": _shape(obj) if is_tagged(obj) or body is not None else "",
         "animation": animation,
-        "physics": _sum(_properties(body, _BODY) if body is not None else []),
-        "relations": _sum(relations),
+        "physics": checksum(values_of(body, _BODY) if body is not None else []),
+        "relations": checksum(relations),
     }
 
 
@@ -402,10 +404,10 @@ def _effective_values(item: Any, prefix: str, animated: Collection[str]) -> list
     """The properties of a modifier, constraint or strip that have an effect and are not
     ``animated``; of datablocks their names."""
     shown = getattr(item, "show_viewport", True)
-    values = _properties(
-        item, [key for key in _keys(item, _PLAIN_TYPES) if f"{prefix}{key}" not in animated]
+    values = values_of(
+        item, [key for key in writable(item, PLAIN_TYPES) if f"{prefix}{key}" not in animated]
     )
-    pointers = (getattr(item, key) for key in _keys(item, {"POINTER"}))
+    pointers = (getattr(item, key) for key in writable(item, {"POINTER"}))
     return [
         item.type,
         shown,
@@ -414,31 +416,10 @@ def _effective_values(item: Any, prefix: str, animated: Collection[str]) -> list
     ]
 
 
-def _keys(item: Any, types: Collection[str]) -> list[str]:
-    """The names of an item's properties of these types that can be written and have an effect."""
-    found = (p for p in item.bl_rna.properties if p.type in types and not p.is_readonly)
-    return [p.identifier for p in found if not p.identifier.startswith(_NOT_EFFECTIVE)]
-
-
-def _properties(owner: Any, keys: Iterable[str]) -> list[Any]:
-    return [(key, _plain(getattr(owner, key))) for key in keys]
-
-
-def _plain(value: Any) -> Any:
-    """A value as JSON has it: numbers with six digits, sets sorted, long texts shortened."""
-    if isinstance(value, float):
-        return float(f"{value:.6g}")
-    if isinstance(value, str):
-        return value if len(value) <= _LONG else f"{value[:_LONG]}... {_sum(value)}"
-    if value is None or isinstance(value, (bool, int, tuple)):
-        return value
-    return [_plain(part) for part in (sorted(value) if isinstance(value, set) else value)]
-
-
 def _shape(obj: Object) -> str:
     mesh = obj.data if obj.type == "MESH" else None
     if mesh is None:
-        return _sum([round(v, 5) for corner in obj.bound_box for v in corner])
+        return checksum([round(v, 5) for corner in obj.bound_box for v in corner])
     places = read_array(
         mesh.vertices, "co", 3
     )  # attributes are those of the edited mesh in Edit Mode, which has no positions
@@ -478,7 +459,9 @@ def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozense
         )
         for track in data.nla_tracks
     ]
-    return frozenset(item.data_path for item in (*curves, *drivers)), _sum(parts) if parts else ""
+    return frozenset(item.data_path for item in (*curves, *drivers)), checksum(
+        parts
+    ) if parts else ""
 
 
 _OF_KEYS = (
@@ -512,7 +495,3 @@ def _variables(driver: Any) -> Iterator[tuple[Any, ...]]:
                 target.bone_target,
                 target.transform_type,
             )
-
-
-def _sum(value: Any) -> str:
-    return f"{zlib.crc32(repr(value).encode()):08x}"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.bake import playback
 from haptic_tracing.addon.blender import compatibility
+from haptic_tracing.addon.scene_reader.digest import changes, digest_of
 
 
 def _reasons(scene):
@@ -218,6 +219,85 @@ def test_what_a_bake_depends_on_is_named(baked_from_much, change, words):
     assert words in _reasons(baked_from_much)
 
 
+@pytest.fixture
+def baked_with_deformers(shaken, add_empty):
+    """A bake of a cloth with a shape key, a lattice and a path of the crate, a hinge and a wind."""
+    crate, ground = bpy.data.objects["crate"], bpy.data.objects["ground"]
+    cage = bpy.data.objects.new("cage", bpy.data.lattices.new("cage"))
+    way = bpy.data.objects.new("way", bpy.data.curves.new("way", "CURVE"))
+    way.data.splines.new("POLY").points.add(3)
+    for obj in (cage, way):
+        shaken.collection.objects.link(obj)
+    crate.modifiers.new("cage", "LATTICE").object = cage
+    crate.constraints.new("FOLLOW_PATH").target = way
+    ground.modifiers.new("cloth", "CLOTH")
+    ground.shape_key_add(name="Basis")
+    ground.shape_key_add(name="Bent")
+    bpy.ops.object.effector_add(type="WIND")
+    bpy.context.object.name = "wind"
+    bpy.context.view_layer.objects.active = add_empty("hinge", (0, 0, 0), None)
+    bpy.ops.rigidbody.world_add()
+    bpy.ops.rigidbody.constraint_add(type="HINGE")
+    bpy.ops.haptic.bake()
+    return shaken
+
+
+def _cage(scene):
+    bpy.data.objects["cage"].data.points[0].co_deform.x += 0.1
+
+
+def _way(scene):
+    bpy.data.objects["way"].data.splines[0].points[1].co = (1, 0, 0, 1)
+
+
+def _bent(scene):
+    bpy.data.objects["ground"].data.shape_keys.key_blocks["Bent"].data[0].co.z += 0.1
+
+
+def _stiffness(scene):
+    bpy.data.objects["ground"].modifiers["cloth"].settings.tension_stiffness = 40
+
+
+def _distance(scene):
+    bpy.data.objects["ground"].modifiers["cloth"].collision_settings.distance_min = 0.03
+
+
+def _wind(scene):
+    bpy.data.objects["wind"].field.strength = 8
+
+
+def _hinge(scene):
+    bpy.data.objects["hinge"].rigid_body_constraint.use_limit_ang_z = True
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (_cage, "'cage': what deforms it changed"),
+        (_way, "'way': what deforms it changed"),
+        (_bent, "'ground': what deforms it changed"),
+        (_stiffness, "'ground': what deforms it changed"),
+        (_distance, "'ground': what deforms it changed"),
+        (_wind, "rigid body constraints or force fields changed"),
+        (_hinge, "rigid body constraints or force fields changed"),
+    ],
+)
+def test_what_deforms_and_drives_is_named(baked_with_deformers, change, words):
+    for frame in (1, 3, 14):
+        baked_with_deformers.frame_set(frame)
+        assert _reasons(baked_with_deformers) == ()
+    change(baked_with_deformers)
+    assert words in _reasons(baked_with_deformers)
+
+
+def test_a_bake_of_an_earlier_version_does_not_change_by_being_opened(baked_with_deformers):
+    digest = digest_of(baked_with_deformers)
+    for aspects in digest["objects"].values():
+        del aspects["deformation"]
+    del digest["influences"]
+    assert changes(digest, digest_of(baked_with_deformers)) == ()
+
+
 def test_animated_settings_are_not_changes(shaken):
     for frame, value in ((1, 0.001), (20, 0.1)):
         shaken.haptics.threshold = value
@@ -299,8 +379,6 @@ def test_many_changes_are_a_short_list(baked):
 
 
 def test_a_strange_digest_is_stale_not_an_error(baked):
-    from haptic_tracing.addon.scene_reader.digest import changes, digest_of
-
     for strange in ({}, {"objects": 3, "settings": []}, {"objects": {"crate": None}}):
         assert changes(strange, digest_of(baked))
 
