@@ -7,7 +7,7 @@ In scenes without haptic objects they return without loading the core.
 from __future__ import annotations
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.app.handlers import persistent
@@ -28,6 +28,11 @@ from ..session import session, sessions, worker
 from ..vr import handlers as vr
 from . import properties
 
+if TYPE_CHECKING:
+    from ..scene_reader.evaluation import Evaluation
+
+_ADDON = __package__.rpartition(".")[0]
+
 _PATIENCE = 1.0
 """Longest wait of a frame for the trace of the one before [s]."""
 
@@ -41,12 +46,17 @@ def frame_change_pre(*_: Any) -> None:
 @persistent
 def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame that Blender has just evaluated, or read it from the baked track."""
-    _note_geometry(depsgraph)
+    # What other scripts change now, Blender evaluates without an event.
+    is_last = all(
+        getattr(handler, "__module__", "").startswith(_ADDON)
+        for handler in bpy.app.handlers.frame_change_post
+    )
+    evaluation = _noted(depsgraph, is_last)
     if is_suspended() or depsgraph.mode == "RENDER" or not _is_concerned(scene):
         return
     sessions.evaluation_ends()
     if is_stepped(scene):  # by a bake, an export or a script: every frame, whatever the settings
-        session.begin(scene, depsgraph)
+        session.begin(scene, depsgraph, evaluation=evaluation)
         return
     try:
         if scene.haptics.tracing and not playback.play(scene) and _is_ready(scene):
@@ -57,6 +67,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
                 live=True,
                 plays=live_output.is_wanted(scene),
                 baked_impacts=playback.impacts_of(scene),
+                evaluation=evaluation,
             )
     finally:
         if live_output.is_wanted(scene):
@@ -68,7 +79,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
 def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does
     it."""
-    _note_geometry(depsgraph)
+    _noted(depsgraph)
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
         return
     mark_edited()
@@ -154,7 +165,7 @@ def render_pre(*_: Any) -> None:
 def reread(*_: Any) -> None:
     """Read everything again after undo and redo, which may change any property or mesh."""
     if is_loaded(session):
-        session.geometry_changed()
+        session.recheck_shapes()
     mark_changed()
     _trace_soon()
 
@@ -191,11 +202,12 @@ def _edited(depsgraph: Depsgraph) -> bool:
     )
 
 
-def _note_geometry(depsgraph: Depsgraph) -> None:
-    """Note which meshes an evaluation may have changed, also if this frame is not traced: Blender
-    does not name them again in a later one."""
-    if depsgraph.mode != "RENDER" and is_loaded(session):
-        session.geometry_changed(depsgraph)
+def _noted(depsgraph: Depsgraph, names_all: bool = False) -> Evaluation | None:
+    """Note what an evaluation may have changed, also if this frame is not traced: Blender does not
+    name it again in a later one. See `session.note`."""
+    if depsgraph.mode == "RENDER" or not is_loaded(session):
+        return None
+    return session.note(depsgraph, names_all)
 
 
 _HANDLERS = Handlers(

@@ -15,17 +15,23 @@ def present_objects(layer: ViewLayer) -> NDArray[np.int32]:
     """Session ids of the objects of a view layer, without those that are disabled in viewports,
     by themselves or with their collections: Blender doesn't move these. It moves disabled rigid
     bodies and what the eye in the outliner hides, which are kept."""
+    return present_and_disabled(layer)[0]
+
+
+def present_and_disabled(layer: ViewLayer) -> tuple[NDArray[np.int32], frozenset[int]]:
+    """The `present_objects`, and the session ids of those that are disabled by themselves."""
     objects = layer.objects
     ids = read_array(objects, "session_uid", 1, np.int32)[:, 0]
     disabled = read_array(objects, "hide_viewport", 1, np.bool_)[:, 0]
+    alone = frozenset(ids[disabled].tolist())
     enabled = list(_enabled(layer.layer_collection))
     if len(enabled) < 1 + len(layer.layer_collection.collection.children_recursive):
         there = [read_array(each.objects, "session_uid", 1, np.int32)[:, 0] for each in enabled]
         disabled |= ~np.isin(ids, np.concatenate(there))
     if disabled.any():
         moved = np.array([obj.rigid_body is not None for obj in objects])
-        return ids[~disabled | moved]
-    return ids
+        return ids[~disabled | moved], alone
+    return ids, alone
 
 
 def _enabled(layer: LayerCollection) -> Iterator[Collection]:

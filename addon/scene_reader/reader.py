@@ -6,7 +6,7 @@ bpy object is kept between calls: only session ids, row numbers and plain values
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Container, Mapping
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -14,10 +14,10 @@ from typing import Any
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.types import Depsgraph, Mesh, Object, Scene
+from bpy.types import Depsgraph, Object, Scene
 from numpy.typing import NDArray
 
-from ...core.arrays import BoolArray, FloatArray
+from ...core.arrays import BoolArray, FloatArray, IntArray
 from ...core.contacts.settings import Body, ContactSettings, Motion
 from ...core.contacts.surface_shape import SurfaceShape
 from ...core.contacts.tracker import STILL
@@ -36,12 +36,13 @@ from .collision_shapes import (
     shape_of_instance,
     shape_settings,
 )
+from .evaluation import Evaluation
 from .imported import near, stored_item
 from .imported_contacts import ImportedContacts
 from .instances import NONE, Instances, haptic_instances, instanced_in_vain
 from .objects import read_listener, read_object, read_source
 from .parented import ParentedPoses
-from .present import present_objects
+from .present import present_and_disabled
 from .problem import Problem
 from .reading import Reading
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
@@ -50,7 +51,10 @@ from .settings import read_contact_settings, read_settings, setting_values
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
 from .triggers import read_triggers, region_of
-from .world_transforms import in_metres, raw_matrices, rigid_transforms, session_ids
+from .world_transforms import in_metres, matrices_of, raw_matrices, rigid_transforms, session_ids
+
+_FEW = 16
+"""Objects up to which reading them alone takes less time than the matrices of all."""
 
 
 class SceneReader:
@@ -59,13 +63,13 @@ class SceneReader:
     A *row* is the number of an object in `bpy.data.objects`, by which Blender returns the matrices
     of all objects in one call; instances follow in the rows after the last object. What was read is
     kept by row, and read again in the next `read` only where it may have changed. The callers say
-    what may have: `forget` after an edit of properties, `recheck_shapes` and `recheck_instances`
-    after an evaluation by Blender.
+    what may have: `forget` after an edit of properties, `note` after an evaluation by Blender.
     """
 
     def __init__(self) -> None:
         self._session_ids: NDArray[np.int32] | None = None
         self._present = np.zeros(0, dtype=np.int32)  # session ids
+        self._disabled: frozenset[int] = frozenset()  # session ids, see `present_and_disabled`
         self._tagged: dict[int, Tagged] = {}  # by row
         self._rows: dict[int, int] = {}  # of the tagged objects, by session id
         self._shapes: dict[
@@ -78,6 +82,8 @@ class SceneReader:
         self._rebuilt: dict[str, float] = {}
         self._parented = ParentedPoses({})
         self._exact, self._frame = False, 0  # see `read`
+        self._evaluations = 0  # that were noted since the last reading
+        self._layer = ""  # view layer of the objects
         self._metres = 1.0  # per unit
         self._instances = NONE
         self._is_instance_moved = False
@@ -113,73 +119,58 @@ class SceneReader:
         self._bone_parts.clear()
         self._session_ids = None
 
-    def recheck_shapes(self, session_ids: Iterable[int] | None = None) -> None:
-        """Make the next `read` compare the geometry of objects and meshes, by session id (None: of
-        all), with that of their shapes, because it may have changed."""
-        if session_ids is None:
-            session_ids = (
-                *self._shapes,
-                *self._bone_parts,
-                *(m.session_uid for m in bpy.data.meshes),
-            )
-        self._unchecked.update(session_ids)
+    def recheck_shapes(self) -> None:
+        """Make the next `read` compare all geometry with that of the shapes."""
+        self._unchecked.update(
+            (*self._shapes, *self._bone_parts, *(mesh.session_uid for mesh in bpy.data.meshes))
+        )
 
-    def recheck_instances(self, depsgraph: Depsgraph) -> None:
-        """Make the next `read` find the instances again if an update has moved or changed an
-        instancer."""
+    def note(self, evaluation: Evaluation) -> None:
+        """Make the next `read` compare what an evaluation may have changed."""
+        self._evaluations += 1
+        self._unchecked |= evaluation.edited
         known = self._instances
-        if known is NONE or self._is_instance_moved:
-            return
-        for update in depsgraph.updates:
-            changed = update.id and update.id.original
-            if isinstance(changed, Object) and (
-                changed.session_uid in known.instancers
-                or (update.is_updated_geometry and changed.session_uid in known.shown)
-            ):
-                self._is_instance_moved = True
-                return
+        self._is_instance_moved |= not (
+            known.instancers.isdisjoint(evaluation.objects)
+            and known.shown.isdisjoint(evaluation.edited)
+        )
 
     @property
     def is_empty(self) -> bool:
         """True if the last reading found no tagged object, and nothing has changed since."""
         return self._session_ids is not None and not self._tagged
 
-    def read(self, scene: Scene, depsgraph: Depsgraph, exact: bool = False) -> Reading:
-        """The scene in its current frame, as ``depsgraph`` has evaluated it. ``exact``: also
-        motions below the tolerance of rest count; so they do in any frame that is not the next
-        one."""
+    def read(
+        self,
+        scene: Scene,
+        depsgraph: Depsgraph,
+        exact: bool = False,
+        evaluation: Evaluation | None = None,
+    ) -> Reading:
+        """The scene in its current frame, as ``depsgraph`` has evaluated it.
+
+        Args:
+            scene: the scene.
+            depsgraph: its evaluation.
+            exact: also motions below the tolerance of rest count; so they do in any frame that is
+                not the next one.
+            evaluation: the changes up to now, noted last; None if they may be others. If no other
+                one was noted since the last reading, only these are read.
+        """
         exact = exact or scene.frame_current - self._frame not in (0, 1)
         self._exact, self._frame = exact, scene.frame_current
-        ids = session_ids()
+        only = evaluation if self._evaluations == 1 and not exact else None
+        # Of one that does not name all, more may follow that is not noted.
+        self._evaluations = int(evaluation is None or not evaluation.names_all)
         metres = metres_per_unit(scene)
         if metres != self._metres:
             self._metres, self._session_ids = metres, None
-        raw = in_metres(raw_matrices(len(ids)), metres)
         if self._marked(scene) != self._markers or not self._move_instances(depsgraph):
             self._session_ids = None
-        present = present_objects(depsgraph.view_layer)
-        if (
-            self._session_ids is None
-            or not np.array_equal(self._session_ids, ids)
-            or not np.array_equal(self._present, present)
-        ):
-            self._present = present
-            self._read_all(depsgraph, raw)
-            self._imported.read(scene)
-            objects = [
-                tagged.object for tagged in self._tagged.values() if tagged.object is not None
-            ]
-            self._tables, of_rules = read_tables(scene, objects)
-            self._problems = (
-                *(Problem("", problem) for problem in self._imported.problems),
-                *_instance_problems(depsgraph),
-                *self._problems_of_instances,
-                *of_rules,
-            )
-            self._session_ids, self._values = ids, None
-        if self._instances is not NONE:
-            raw = np.concatenate([raw, self._instances.matrices])
-        lists = self._read_changed(depsgraph, raw, exact)
+        if only is not None and self._covers(only, depsgraph):
+            lists = self._read_changed(scene, depsgraph, exact, only.objects)
+        else:
+            lists = self._read_changed(scene, depsgraph, exact)
         now = seconds_of(scene, scene.frame_current)
         duration = frame_seconds(scene)
         audible = [
@@ -211,6 +202,59 @@ class SceneReader:
             ),
         )
 
+    def _covers(self, evaluation: Evaluation, depsgraph: Depsgraph) -> bool:
+        """Whether nothing has changed since the last reading but the matrices and surfaces of the
+        few objects of this ``evaluation``."""
+        return (
+            evaluation.names_all
+            and len(evaluation.objects) <= _FEW
+            and self._session_ids is not None
+            and self._lists is not None
+            and not self._lists.animated
+            and not self._is_triggered
+            and not self._instance_milliseconds
+            and self._layer == depsgraph.view_layer.name
+            and self._unchecked & self._rows.keys() <= evaluation.objects.keys()
+            # Animation may have changed whether they are there.
+            and all(
+                obj.hide_viewport == (number in self._disabled)
+                for number, obj in evaluation.objects.items()
+            )
+        )
+
+    def _read_everywhere(self, scene: Scene, depsgraph: Depsgraph) -> NDArray[np.float32]:
+        """World matrices (n, 16) of all objects and instances by row, after reading everything
+        again if there are others or an authored value has changed."""
+        ids = session_ids()
+        raw = in_metres(raw_matrices(len(ids)), self._metres)
+        layer = depsgraph.view_layer
+        present, self._disabled = present_and_disabled(layer)
+        if (
+            self._session_ids is None
+            or not np.array_equal(self._session_ids, ids)
+            or not np.array_equal(self._present, present)
+        ):
+            # Blender does not say what has changed of an object before that is there again.
+            self._unchecked |= set(present.tolist()) - set(self._present.tolist())
+            self._present = present
+            self._read_all(depsgraph, raw)
+            self._imported.read(scene)
+            objects = [
+                tagged.object for tagged in self._tagged.values() if tagged.object is not None
+            ]
+            self._tables, of_rules = read_tables(scene, objects)
+            self._problems = (
+                *(Problem("", problem) for problem in self._imported.problems),
+                *_instance_problems(depsgraph),
+                *self._problems_of_instances,
+                *of_rules,
+            )
+            self._session_ids, self._values = ids, None
+        self._layer = layer.name
+        if self._instances is not NONE:
+            raw = np.concatenate([raw, self._instances.matrices])
+        return raw
+
     def _read_settings(self, scene: Scene) -> None:
         """Read the settings if they have changed; otherwise keep the same objects, because the
         tracer takes a setting that is the same object for unchanged."""
@@ -227,14 +271,16 @@ class SceneReader:
 
     def _marked(self, scene: Scene) -> tuple[tuple[str, int], ...]:
         """The names and frames of the timeline's markers, if any source has triggers."""
-        triggered = any(
-            isinstance(item, Source) and item.triggers is not None for item in self._placed
-        )
         return (
             tuple((marker.name, marker.frame) for marker in scene.timeline_markers)
-            if triggered
+            if self._is_triggered
             else ()
         )
+
+    @property
+    def _is_triggered(self) -> bool:
+        """Whether any source has triggers."""
+        return any(isinstance(item, Source) and item.triggers is not None for item in self._placed)
 
     def _read_all(self, depsgraph: Depsgraph, raw: NDArray[np.float32]) -> None:
         """Read all tagged objects and instances; ``raw``: world matrices (n, 16) by row."""
@@ -345,18 +391,34 @@ class SceneReader:
         return tagged
 
     def _read_changed(
-        self, depsgraph: Depsgraph, raw: NDArray[np.float32], exact: bool
+        self,
+        scene: Scene,
+        depsgraph: Depsgraph,
+        exact: bool,
+        only: Mapping[int, Object] | None = None,
     ) -> TaggedLists:
         """Read what may have changed since the last frame: the transforms of all objects, and all
         of those with animated properties, another scale or an edited mesh.
 
         Args:
+            scene: in its current frame.
             depsgraph: with the evaluated scene.
-            raw: world matrices by row (n, 16).
             exact: as of `read`.
+            only: the objects that may have changed, by session id; None if any may.
         """
-        lists = self._lists or TaggedLists.of(self._tagged)
-        raw_tagged = raw.take(lists.rows, axis=0)
+        evaluated: dict[int, Object] = {}  # by row
+        if only is None:
+            raw = self._read_everywhere(scene, depsgraph)
+            lists = self._lists or TaggedLists.of(self._tagged)
+            raw_tagged = raw.take(lists.rows, axis=0)
+        else:
+            assert self._lists is not None
+            lists = self._lists
+            evaluated = {self._rows[i]: obj for i, obj in only.items() if i in self._rows}
+            raw_tagged = self._raw.copy()
+            raw_tagged[lists.rows.searchsorted(list(evaluated))] = in_metres(
+                matrices_of(evaluated.values()), self._metres
+            )
         animated = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
         if lists is not self._lists:
             rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
@@ -366,7 +428,7 @@ class SceneReader:
         else:
             # Keep the old matrix while a simulation at rest trembles.
             rows = animated
-            moved = np.flatnonzero(~(np.abs(raw_tagged - self._raw) <= lists.still).all(axis=1))
+            moved = _moved(raw_tagged, self._raw, lists.still)
         if len(moved) == len(lists.rows):
             self._raw = raw_tagged
             self._rigid, stretches = rigid_transforms(raw_tagged)
@@ -387,7 +449,8 @@ class SceneReader:
                     is_kept = row not in rows and np.array_equal(
                         raw_tagged[number], self._raw[number]
                     )
-                    tagged = self._reshaped(row, depsgraph) if is_kept else None
+                    obj = evaluated.get(row) or bpy.data.objects[row]
+                    tagged = self._reshaped(row, obj, depsgraph) if is_kept else None
                     if tagged is None:
                         rows.add(row)
                     elif tagged is not self._tagged[row]:
@@ -396,17 +459,21 @@ class SceneReader:
         changed = False
         reread = sorted(rows)
         stretches = (
-            rigid_transforms(raw[np.array(reread, dtype=np.int64)])[1]
+            rigid_transforms(raw_tagged[lists.rows.searchsorted(reread)])[1]
             if reread
             else np.zeros((0, 6))
         )
         switched = False
         for row, stretch in zip(reread, stretches, strict=True):
-            tagged = self._read_object(row, bpy.data.objects[row], depsgraph, stretch)
+            obj = evaluated.get(row) or bpy.data.objects[row]
+            tagged = self._read_object(row, obj, depsgraph, stretch)
             if tagged != self._tagged[row]:
                 switched |= (tagged.object is None) != (self._tagged[row].object is None)
                 self._tagged[row] = tagged
                 changed = True
+        if switched and only is not None:
+            self._session_ids = None
+            return self._read_changed(scene, depsgraph, exact)
         if switched:  # sources and listeners may now be on another object, or on none
             for row, before in self._tagged.items():
                 if row >= len(bpy.data.objects):
@@ -419,7 +486,7 @@ class SceneReader:
         elif reshaped:
             lists = lists.reshaped(reshaped)
         if len(moved) or lists is not self._lists:
-            self._transforms = self._rigid[lists.of_bodies]
+            self._transforms = self._rigid.take(lists.of_bodies, axis=0)
             settled = lists.file_poses.snap(self._transforms)
             self._settled = self._settled if settled == self._settled else settled
             places = self._raw[lists.rows.searchsorted(lists.of_places), 12:15].tolist()
@@ -431,13 +498,12 @@ class SceneReader:
         self._unchecked.clear()
         return lists
 
-    def _reshaped(self, row: int, depsgraph: Depsgraph) -> Tagged | None:
-        """The object of a row, of which nothing but the mesh has changed; None if it must be read
-        again."""
+    def _reshaped(self, row: int, obj: Object, depsgraph: Depsgraph) -> Tagged | None:
+        """The object ``obj`` of a row, of which nothing but the mesh has changed; None if it must
+        be read again."""
         known = self._tagged[row]
         if known.object is None:
             return None
-        obj = bpy.data.objects[row]
         try:
             surface = self._shape(obj, depsgraph, np.array(known.stretch))
         except ValueError:
@@ -587,26 +653,12 @@ def _with_current_regions(item: Source, row: int, scene: Scene) -> Source:
     return replace(item, triggers=tuple(moved))
 
 
-def edited_geometry(depsgraph: Depsgraph) -> set[int]:
-    """Session ids of the meshes, and of the objects whose geometry an update may have changed, with
-    the compounds that they are parts of."""
-    found = set()
-    for update in depsgraph.updates:
-        edited = update.id and update.id.original
-        if update.is_updated_geometry and isinstance(edited, Mesh):
-            found.add(edited.session_uid)
-        if update.is_updated_geometry and isinstance(edited, Object):
-            obj: Object | None = edited
-            while obj is not None:
-                found.add(obj.session_uid)
-                obj = (
-                    obj.parent
-                    if obj.rigid_body is not None
-                    and obj.parent is not None
-                    and obj.parent.rigid_body is not None
-                    else None
-                )
-    return found
+def _moved(raw: NDArray[np.float32], before: NDArray[np.float32], limits: FloatArray) -> IntArray:
+    """Numbers (k,) of the matrices (n, 16) that differ from those ``before`` by more than
+    ``limits`` (n, 16)."""
+    others = np.flatnonzero((raw != before).any(axis=1))
+    beyond = ~(np.abs(raw[others] - before[others]) <= limits[others]).all(axis=1)
+    return others[beyond]
 
 
 def _tagged_above(obj: Object, tagged: Container[int]) -> Object | None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 import numpy as np
+from bpy.types import Object
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
@@ -24,6 +27,12 @@ def raw_matrices(count: int) -> NDArray[np.float32]:
     values = np.empty(16 * count, dtype=np.float32)
     bpy.data.objects.foreach_get("matrix_world", values)
     return values.reshape(count, 16)
+
+
+def matrices_of(objects: Iterable[Object]) -> NDArray[np.float32]:
+    """(n, 16) world matrices of some objects, column by column."""
+    matrices = [obj.matrix_world.transposed() for obj in objects]
+    return np.array(matrices, dtype=np.float32).reshape(-1, 16)
 
 
 def in_metres(matrices: NDArray[np.float32], metres: float) -> NDArray[np.float32]:

@@ -27,10 +27,11 @@ from ..changes import revisions
 from ..changes.events import file_changed
 from ..changes.suspension import is_stepped
 from ..scene_reader.digest import motion_of
+from ..scene_reader.evaluation import Evaluation
 from ..scene_reader.kept_impacts import impacts_from_text, text_of_impacts
 from ..scene_reader.modalities import read_modalities
 from ..scene_reader.problem import Problem
-from ..scene_reader.reader import SceneReader, edited_geometry
+from ..scene_reader.reader import SceneReader
 from ..scene_reader.reading import Reading
 from ..scene_reader.settings import read_settings
 from . import sessions, worker
@@ -111,19 +112,19 @@ def show(
     worker.submit(_follow, session)
 
 
-def geometry_changed(depsgraph: Depsgraph | None = None) -> None:
-    """Make every scene compare the meshes that an update of a depsgraph may have changed at its
-    next reading.
+def recheck_shapes() -> None:
+    """Make every scene compare all meshes at its next reading."""
+    for session in sessions.every():
+        session.reader.recheck_shapes()
 
-    depsgraph: that of the update; None for all meshes.
-    """
-    edited = None if depsgraph is None else edited_geometry(depsgraph)
-    if edited is None or edited:
-        for session in sessions.every():
-            session.reader.recheck_shapes(edited)
-    if depsgraph is not None:
-        for session in sessions.every():
-            session.reader.recheck_instances(depsgraph)
+
+def note(depsgraph: Depsgraph, names_all: bool = False) -> Evaluation:
+    """Make every scene compare what an evaluation may have changed at its next reading; see
+    `Evaluation.of`."""
+    evaluation = Evaluation.of(depsgraph, names_all)
+    for session in sessions.every():
+        session.reader.note(evaluation)
+    return evaluation
 
 
 def clear() -> None:
@@ -252,6 +253,7 @@ def begin(
     live: bool = False,
     plays: bool = False,
     baked_impacts: str = "",
+    evaluation: Evaluation | None = None,
 ) -> None:
     """Wait for the trace of the last frame, read the current state of the scene, and begin to trace
     it on the worker. The result is None without tagged objects, or if a problem prevents it.
@@ -269,6 +271,7 @@ def begin(
             of consecutive frames are rendered only if something shows or asks for them.
         plays: a device plays the samples.
         baked_impacts: the impacts of the frame in a bake, as a text of `text_of_impacts`.
+        evaluation: as of `SceneReader.read`.
     """
     session = of(scene)
     session.interrupted = None
@@ -284,7 +287,11 @@ def begin(
     # From an exact frame on, tracing gives the same bits as from any earlier one.
     exact = scene.frame_current % EXACT_FRAMES == 0 or (is_stepped(scene) and session.frame is None)
     started = time.perf_counter()
-    reading = None if session.reader.is_empty else session.reader.read(scene, depsgraph, exact)
+    reading = (
+        None
+        if session.reader.is_empty
+        else session.reader.read(scene, depsgraph, exact, evaluation)
+    )
     if reading is None or session.reader.is_empty:
         session.reading = None
         session.result = None

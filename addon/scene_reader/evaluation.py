@@ -1,0 +1,55 @@
+"""What Blender says that an evaluation of a scene has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bpy.types import Collection, Depsgraph, Mesh, Object, Scene
+
+from ...core.frozen import frozen
+
+
+@frozen(eq=False)
+class Evaluation:
+    """The changes of an evaluation.
+
+    Attributes:
+        objects: that were evaluated, by session id.
+        edited: session ids of the meshes, and of the objects whose geometry may have changed, with
+            the compounds that they are parts of.
+        names_all: whether nothing else has changed, and no object has come or gone.
+    """
+
+    objects: Mapping[int, Object]
+    edited: frozenset[int]
+    names_all: bool
+
+    @classmethod
+    def of(cls, depsgraph: Depsgraph, names_all: bool) -> Evaluation:
+        """What the updates of a depsgraph name. ``names_all``: nothing has been evaluated without
+        being named."""
+        objects: dict[int, Object] = {}
+        edited: set[int] = set()
+        for update in depsgraph.updates:
+            changed = update.id and update.id.original
+            if isinstance(changed, (Scene, Collection)):
+                names_all = False
+            elif isinstance(changed, Mesh) and update.is_updated_geometry:
+                edited.add(changed.session_uid)
+            elif isinstance(changed, Object):
+                objects[changed.session_uid] = changed
+                if update.is_updated_geometry:
+                    edited.update(_with_compounds(changed))
+                elif not update.is_updated_transform:  # animation may have hidden it
+                    names_all = False
+        return cls(objects, frozenset(edited), names_all)
+
+
+def _with_compounds(obj: Object | None) -> set[int]:
+    """Session ids of an object and of the compounds that it is a part of."""
+    found = set()
+    while obj is not None:
+        found.add(obj.session_uid)
+        above = obj.parent if obj.rigid_body is not None else None
+        obj = above if above is not None and above.rigid_body is not None else None
+    return found
