@@ -521,7 +521,10 @@ def large_patches(
         return np.zeros(0, dtype=np.int64)
     pairs = contacts.pairs.T
     point = np.minimum(*table.spreading.point[pairs])
-    thin = 0.0 if sizes is None else np.fmin(*sizes.min(axis=1)[pairs])
+    thin: FloatArray | float = 0.0
+    if sizes is not None:
+        x, y, z = sizes.T  # much faster than the least along rows of three
+        thin = np.fmin(*np.minimum(np.minimum(x, y), z)[pairs])
     with np.errstate(invalid="ignore"):  # no patch is larger than an infinite point
         return np.flatnonzero(contacts.area > point * np.fmin(point, thin))
 
