@@ -156,6 +156,37 @@ def house() -> None:
     _moved(_object("Walker", _box("walker", (0.4, 0.4, 1.8)), (-4.65, -4.65, 0.9)), (1, 0, 0))
 
 
+def still() -> None:
+    """10,000 boxes side by side on a ground, and one that slides along above them."""
+    box = _still_ground()
+    for x, y in _STILL:
+        _object(f"Box.{x:03d}.{y:03d}", box, (x, y, 0.25))
+    _slider()
+
+
+def instances() -> None:
+    """The same with instances of one box at the vertices of a mesh."""
+    box = _still_ground()
+    places = bpy.data.meshes.new("places")
+    places.from_pydata([(x, y, 0.25) for x, y in _STILL], [], [])
+    scattered = _object("Places", places)
+    scattered.instance_type = "VERTS"
+    _object("Box", box).parent = scattered
+    _slider()
+
+
+_STILL = [(x - 50, y - 50) for x in range(100) for y in range(100)]
+
+
+def _still_ground() -> Mesh:
+    _object("Ground", _box("ground", (120, 120, 2)), (0, 0, -1))
+    return _box("box", (0.5, 0.5, 0.5))
+
+
+def _slider() -> None:
+    _moved(_object("Slider", _box("slider", (2, 2, 0.5)), (-20, 0.5, 0.75)), (40, 0, 0))
+
+
 def arms(shapes: str = "collision") -> None:
     """Panda, A1 and a table of pybullet_data, whose folder ``PYBULLET_DATA`` names: no part of this
     repository."""
@@ -171,10 +202,8 @@ def arms_seen() -> None:
     arms("visual")
 
 
-SCENES: dict[str, Callable[[], None]] = {
-    scene.__name__: scene
-    for scene in (kitchen, robots, walker, pile, rings, city, house, arms, arms_seen)
-}
+_ALL = kitchen, robots, walker, pile, rings, city, house, still, instances, arms, arms_seen
+SCENES: dict[str, Callable[[], None]] = {scene.__name__: scene for scene in _ALL}
 
 
 def build(name: str) -> tuple[Scene, list[Object]]:
