@@ -1,4 +1,4 @@
-"""What tracing costs in six scenes of concave, skinned and many objects.
+"""What tracing costs in scenes of concave, skinned and many objects.
 
     python -m benchmarks.bench_real_scenes [NAME ...]
 
@@ -20,7 +20,7 @@ import tracemalloc
 from pathlib import Path
 from typing import NamedTuple
 
-NAMES = ("kitchen", "robots", "walker", "pile", "city", "house")
+NAMES = ("kitchen", "robots", "walker", "pile", "city", "house", "still", "instances")
 BLOCK = 10
 
 
@@ -113,7 +113,7 @@ def main() -> None:
         with multiprocessing.get_context("spawn").Pool(1) as process:
             row = process.apply(measure, (name,))
         print(
-            f"{row.name:<8}{row.objects:8}{row.contacts:9} |{row.make_haptic:12.2f}{row.first:8.0f}"
+            f"{row.name:<9}{row.objects:7}{row.contacts:9} |{row.make_haptic:12.2f}{row.first:8.0f}"
             f" |{row.off:7.1f}{row.on:8.1f}{row.worst:8.1f} |{row.memory / 1e6:7.1f}"
             f"{row.file / 1e6:7.2f}",
             flush=True,

@@ -157,7 +157,7 @@ def house() -> None:
 
 
 def still() -> None:
-    """10,000 boxes side by side on a ground, and one that slides along above them."""
+    """10,000 boxes side by side on a ground, and one that slides along a track beside them."""
     box = _still_ground()
     for x, y in _STILL:
         _object(f"Box.{x:03d}.{y:03d}", box, (x, y, 0.25))
@@ -175,16 +175,17 @@ def instances() -> None:
     _slider()
 
 
-_STILL = [(x - 50, y - 50) for x in range(100) for y in range(100)]
+_STILL = [(x, y) for x in range(-50, 50) for y in range(-50, 50)]
 
 
 def _still_ground() -> Mesh:
+    _object("Track", _box("track", (100, 4, 2)), (0, -80, -1))
     _object("Ground", _box("ground", (120, 120, 2)), (0, 0, -1))
     return _box("box", (0.5, 0.5, 0.5))
 
 
 def _slider() -> None:
-    _moved(_object("Slider", _box("slider", (2, 2, 0.5)), (-20, 0.5, 0.75)), (40, 0, 0))
+    _moved(_object("Slider", _box("slider", (2, 2, 0.5)), (-20, -80, 0.25)), (40, 0, 0))
 
 
 def arms(shapes: str = "collision") -> None:
