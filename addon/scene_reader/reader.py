@@ -406,64 +406,30 @@ class SceneReader:
             exact: as of `read`.
             only: the objects that may have changed, by session id; None if any may.
         """
-        evaluated: dict[int, Object] = {}  # by row
+        evaluated = {} if only is None else self._by_row(only)
         if only is None:
-            raw = self._read_everywhere(scene, depsgraph)
+            everything = self._read_everywhere(scene, depsgraph)
             lists = self._lists or TaggedLists.of(self._tagged)
-            raw_tagged = raw.take(lists.rows, axis=0)
+            raw = everything.take(lists.rows, axis=0)
         else:
             assert self._lists is not None
             lists = self._lists
-            evaluated = {self._rows[i]: obj for i, obj in only.items() if i in self._rows}
-            raw_tagged = self._raw.copy()
-            raw_tagged[lists.rows.searchsorted(list(evaluated))] = in_metres(
-                matrices_of(evaluated.values()), self._metres
-            )
-        animated = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
-        if lists is not self._lists:
-            rows, moved = set(), np.arange(len(lists.rows))  # everything has just been read
-        elif exact:
-            rows = animated
-            moved = np.arange(len(lists.rows))
-        else:
-            # Keep the old matrix while a simulation at rest trembles.
-            rows = animated
-            moved = _moved(raw_tagged, self._raw, lists.still)
-        if len(moved) == len(lists.rows):
-            self._raw = raw_tagged
-            self._rigid, stretches = rigid_transforms(raw_tagged)
-        elif len(moved):
-            self._raw[moved] = raw_tagged[moved]
-            self._rigid = self._rigid.copy()  # the old array belongs to the last reading
-            self._rigid[moved], stretches = rigid_transforms(raw_tagged[moved])
-        if len(moved):
-            self._parented.correct(self._rigid, exact)
-            known = lists.stretches[moved]
-            rows |= set(lists.rows[moved[_differ(stretches, known)]].tolist())
-        reshaped: dict[int, Tagged] = {}
-        if lists is self._lists:
-            unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
-            if unchecked:
-                for row in sorted(self._rows[i] for i in unchecked & self._rows.keys()):
-                    number = int(lists.rows.searchsorted(row))
-                    is_kept = row not in rows and np.array_equal(
-                        raw_tagged[number], self._raw[number]
-                    )
-                    obj = evaluated.get(row) or bpy.data.objects[row]
-                    tagged = self._reshaped(row, obj, depsgraph) if is_kept else None
-                    if tagged is None:
-                        rows.add(row)
-                    elif tagged is not self._tagged[row]:
-                        reshaped[row] = tagged
+            raw = self._raw.copy()
+            matrices = in_metres(matrices_of(evaluated.values()), self._metres)
+            raw[lists.rows.searchsorted(list(evaluated))] = matrices
+        rows = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
+        if lists is not self._lists:  # everything has just been read
+            rows.clear()
+        is_moved = self._move(lists, raw, exact, rows)
+        reshaped = self._read_edited(lists, raw, exact, rows, evaluated, depsgraph)
         self._tagged |= reshaped
-        changed = False
+        changed = switched = False
         reread = sorted(rows)
         stretches = (
-            rigid_transforms(raw_tagged[lists.rows.searchsorted(reread)])[1]
+            rigid_transforms(raw[lists.rows.searchsorted(reread)])[1]
             if reread
             else np.zeros((0, 6))
         )
-        switched = False
         for row, stretch in zip(reread, stretches, strict=True):
             obj = evaluated.get(row) or bpy.data.objects[row]
             tagged = self._read_object(row, obj, depsgraph, stretch)
@@ -485,7 +451,7 @@ class SceneReader:
             lists = TaggedLists.of(self._tagged, lists)  # of the same rows
         elif reshaped:
             lists = lists.reshaped(reshaped)
-        if len(moved) or lists is not self._lists:
+        if is_moved or lists is not self._lists:
             self._transforms = self._rigid.take(lists.of_bodies, axis=0)
             settled = lists.file_poses.snap(self._transforms)
             self._settled = self._settled if settled == self._settled else settled
@@ -497,6 +463,78 @@ class SceneReader:
         self._lists = lists
         self._unchecked.clear()
         return lists
+
+    def _by_row(self, objects: Mapping[int, Object]) -> dict[int, Object]:
+        """The tagged ones of some objects, which are by session id."""
+        return {self._rows[number]: obj for number, obj in objects.items() if number in self._rows}
+
+    def _move(
+        self, lists: TaggedLists, raw: NDArray[np.float32], exact: bool, rows: set[int]
+    ) -> bool:
+        """Take over the matrices that have changed.
+
+        Args:
+            lists: of the tagged objects.
+            raw: their world matrices (m, 16).
+            exact: as of `read`.
+            rows: to be read again, to which those of another stretch are added.
+
+        Returns:
+            Whether any has changed.
+        """
+        if exact or lists is not self._lists:
+            moved = np.arange(len(lists.rows))
+        else:
+            # Keep the old matrix while a simulation at rest trembles.
+            moved = _moved(raw, self._raw, lists.still)
+        if len(moved) == 0:
+            return False
+        if len(moved) == len(lists.rows):
+            self._raw = raw
+            self._rigid, stretches = rigid_transforms(raw)
+        else:
+            self._raw[moved] = raw[moved]
+            self._rigid = self._rigid.copy()  # the old array belongs to the last reading
+            self._rigid[moved], stretches = rigid_transforms(raw[moved])
+        self._parented.correct(self._rigid, exact)
+        known = lists.stretches[moved]
+        rows |= set(lists.rows[moved[_differ(stretches, known)]].tolist())
+        return True
+
+    def _read_edited(
+        self,
+        lists: TaggedLists,
+        raw: NDArray[np.float32],
+        exact: bool,
+        rows: set[int],
+        evaluated: Mapping[int, Object],
+        depsgraph: Depsgraph,
+    ) -> dict[int, Tagged]:
+        """The objects, by row, of which nothing but the mesh has changed.
+
+        Args:
+            lists: of the tagged objects.
+            raw: their world matrices (m, 16).
+            exact: as of `read`.
+            rows: to be read again, to which those with other changes are added.
+            evaluated: objects by row, as far as known.
+            depsgraph: with the evaluated scene.
+        """
+        reshaped: dict[int, Tagged] = {}
+        if lists is not self._lists:
+            return reshaped
+        unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
+        for row in sorted(self._rows[number] for number in unchecked & self._rows.keys()):
+            number = int(lists.rows.searchsorted(row))
+            if row in rows or not np.array_equal(raw[number], self._raw[number]):
+                rows.add(row)
+                continue
+            tagged = self._reshaped(row, evaluated.get(row) or bpy.data.objects[row], depsgraph)
+            if tagged is None:
+                rows.add(row)
+            elif tagged is not self._tagged[row]:
+                reshaped[row] = tagged
+        return reshaped
 
     def _reshaped(self, row: int, obj: Object, depsgraph: Depsgraph) -> Tagged | None:
         """The object ``obj`` of a row, of which nothing but the mesh has changed; None if it must
