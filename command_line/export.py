@@ -13,7 +13,7 @@ from typing import TextIO
 from ..core.diagnosis.doubts import doubts
 from ..core.formats import registry
 from ..core.formats.export import Export
-from ..core.formats.io.catalogue import Value, named
+from ..core.formats.io.catalogue import Value, named, value_of
 from ..core.formats.io.file_names import file_stem
 from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.forms import JsonObject
@@ -145,7 +145,7 @@ def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str,
     """The options of each format from ``format.option=value``. Raises ValueError for unknown names
     and values out of range."""
     chosen: dict[str, dict[str, Value]] = {name: {} for name in names}
-    known = {name: {option.name: option for option in named(name).options} for name in names}
+    known = {name: named(name).options for name in names}
     for setting in settings:
         key, equals, text = setting.partition("=")
         name, _, option = key.partition(".")
@@ -158,7 +158,7 @@ def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str,
                 + (f" with one of {offered}" if offered else "")
             )
         try:
-            chosen[name][option] = known[name][option].parse(text)
+            chosen[name][option] = value_of(known[name][option], text)
         except ValueError as error:
             raise ValueError(f"{setting}: {error}") from None
     return chosen

@@ -81,6 +81,8 @@ class Number(Declaration):
                 else f"from {self.low:g} to {self.high:g}"
             )
             raise ValueError(f"must be {span}{self.unit and ' '}{self.unit}, got {value!r:.40}")
+        if self.whole and value % 1 != 0:
+            raise ValueError(f"must be a whole number, not {value:g}")
         return int(value) if self.whole else value
 
     def schema(self) -> JsonObject:
@@ -156,6 +158,11 @@ class Curve(Declaration):
 @frozen(kw_only=True)
 class Switch(Declaration):
     """True or false."""
+
+    def checked(self, value: Any) -> Any:
+        if not isinstance(value, bool):
+            raise ValueError(f"must be true or false, got {value!r}")
+        return value
 
     def schema(self) -> JsonObject:
         return {"type": "boolean"}

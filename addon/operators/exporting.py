@@ -11,8 +11,9 @@ from bpy.props import StringProperty
 from bpy.types import Context, Event, UILayout
 from bpy_extras.io_utils import ExportHelper
 
+from ...core.declaration import Declaration, Number
 from ...core.formats import haptic_scene, registry
-from ...core.formats.io.catalogue import FORMATS, Option, Value, named
+from ...core.formats.io.catalogue import FORMATS, Value, named
 from ..bake import playback
 from ..blender import job
 from ..blender.polling import Action
@@ -20,7 +21,8 @@ from ..blender.single_precision import shortest
 from ..blender.text import wrapped
 from ..blender.words import Told, said, told
 from ..io import capture, engine, frame_scene, last_export
-from ..properties.kinds import FRAMES, choice, limited, switch, text, whole
+from ..properties.declared import property_of
+from ..properties.kinds import FRAMES, choice, switch, text, whole
 
 if TYPE_CHECKING:
     from ...core.formats.export import Export
@@ -202,49 +204,30 @@ def option_properties(names: tuple[str, ...]) -> dict[str, Any]:
     """Annotations of an operator: ``<format>_<option>`` for every option of the formats
     ``names``."""
     return {
-        _key(name, option): _property(option) for name in names for option in named(name).options
+        f"{name}_{key}": property_of(option)
+        for name in names
+        for key, option in named(name).options.items()
     }
 
 
 def chosen(operator: Any, name: str) -> dict[str, Value]:
     """The chosen options of a format."""
     return {
-        option.name: _value(option, getattr(operator, _key(name, option)))
-        for option in named(name).options
+        key: _value(option, getattr(operator, f"{name}_{key}"))
+        for key, option in named(name).options.items()
     }
 
 
 def draw_options(layout: UILayout, operator: Any, name: str) -> None:
     """Draw the options of a format in a column."""
-    for option in named(name).options:
-        layout.prop(operator, _key(name, option))
+    for key in named(name).options:
+        layout.prop(operator, f"{name}_{key}")
 
 
-def _key(name: str, option: Option) -> str:
-    return f"{name}_{option.name}"
-
-
-def _value(option: Option, value: Any) -> Value:
-    return (
-        min(max(shortest(value), option.minimum), option.maximum)
-        if isinstance(option.default, float)
-        else value
-    )
-
-
-def _property(option: Option) -> Any:
-    words = option.label, option.description
-    default = option.default
-    match default:
-        case bool():
-            return switch(*words, default)
-        case str():
-            items = tuple((value, value, "") for value in option.choices)
-            return choice(*words, items, default=default)
-        case int():
-            return whole(*words, default, (int(option.minimum), int(option.maximum)))
-        case float():
-            return limited(*words, default, (option.minimum, option.maximum), precision=3)
+def _value(option: Declaration, value: Any) -> Value:
+    if not isinstance(option, Number) or option.whole:
+        return value
+    return min(max(shortest(value), option.low), option.high)
 
 
 class HAPTIC_OT_export_tracks(RangeExport, Action):

@@ -61,7 +61,7 @@ def holding(
         fields = {key: item for key, item in shown(cls).items() if not only or key in only}
         held = {key: names.get(key, key) for key in fields}
         made = {
-            held[key]: _property(cls, key, item, more.get(key, _NOTHING))
+            held[key]: property_of(item, default_of(cls, key), more.get(key, _NOTHING))
             for key, item in fields.items()
         }
         group.__annotations__ = {**get_annotations(group), **made}
@@ -76,10 +76,11 @@ def holding(
     return decorate
 
 
-def _property(cls: type, key: str, declaration: Declaration, more: Form) -> Any:
-    """The property of a field."""
+def property_of(declaration: Declaration, default: Any = None, more: Form = _NOTHING) -> Any:
+    """The property of a field that has this default if none is ``shown``. ``more``: further
+    arguments of Blender's property."""
     unit = getattr(declaration, "unit", "")
-    default = default_of(cls, key) if declaration.shown is None else declaration.shown
+    default = default if declaration.shown is None else declaration.shown
     common: dict[str, Any] = {
         "name": f"{declaration.label} ({unit})".replace(") (", ", ") if unit else declaration.label,
         "description": declaration.about,

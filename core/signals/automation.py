@@ -113,8 +113,6 @@ class Parameter(Number):
             raise ValueError(f"must be a number, not {type(value).__name__}")
         if self.optional and value == math.inf:
             return value
-        if self.whole and value % 1 != 0:
-            raise ValueError(f"must be a whole number, not {value:g}")
         number = Number.checked(self, value)
         return number if self.whole else float(number)
 

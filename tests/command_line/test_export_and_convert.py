@@ -404,11 +404,11 @@ def test_what_is_wrong_is_said_in_one_line(capsys, scene_file, tmp_path):
         ),
         (
             ["export", scene_file, "--to", "wav", *out, "--option", "wav.encoding=mp3"],
-            "encoding: must be one of pcm16, float32, not 'mp3'",
+            "wav.encoding=mp3: must be one of pcm16, float32, got 'mp3'",
         ),
         (
             ["export", scene_file, "--to", "hjif", *out, "--option", "hjif.error=many"],
-            "error: must be a number from 0.001 to 0.5, not 'many'",
+            "hjif.error=many: must be a number, got 'many'",
         ),
         (
             ["export", scene_file, "--to", "wav", *out, "--seconds", "nan"],

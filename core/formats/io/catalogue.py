@@ -4,11 +4,12 @@ the modules that write and read them."""
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import field
 from pathlib import Path
 from types import MappingProxyType
 
+from ...declaration import Choice, Declaration, Number, Switch
 from ...forms import JsonObject
 from ...frozen import frozen
 from ...scene import references
@@ -18,77 +19,45 @@ MAX_SAMPLE_RATE = 192_000
 
 
 Value = bool | int | float | str
-_TRUTH = {"true": True, "false": False}
 
 
-@frozen
-class Option:
-    """An option. The type is that of ``default``: bool, int, float, or str with ``choices``.
-    ``minimum`` and ``maximum`` bound numbers."""
-
-    name: str
-    default: Value
-    label: str
-    description: str
-    choices: tuple[str, ...] = ()
-    minimum: float = -math.inf
-    maximum: float = math.inf
-
-    def parse(self, text: str) -> Value:
-        """Parse ``text``. Raises ValueError that names the option."""
+def value_of(option: Declaration, text: str) -> Value:
+    """The value of an option in a text. Raises ValueError with the reason."""
+    value: Value = text
+    if isinstance(option, Switch):
+        value = {"true": True, "false": False}.get(text.lower(), text)
+    elif isinstance(option, Number):
         try:
-            return self.checked(
-                _TRUTH[text.lower()] if isinstance(self.default, bool) else type(self.default)(text)
-            )
-        except (KeyError, ValueError):
-            raise ValueError(f"{self.name}: must be {self._range()}, not {text!r}") from None
-
-    def checked(self, value: Value) -> Value:
-        """Return ``value`` if it is allowed. Raises ValueError that names the option."""
-        if isinstance(self.default, bool):
-            good = isinstance(value, bool)
-        elif isinstance(self.default, str):
-            good = value in self.choices
-        else:
-            good = (
-                isinstance(value, int | float)
-                and not isinstance(value, bool)
-                and self.minimum <= value <= self.maximum
-            )
-            good = good and (isinstance(self.default, float) or isinstance(value, int))
-        if not good:
-            raise ValueError(f"{self.name}: must be {self._range()}, not {value!r}")
-        return value
-
-    def _range(self) -> str:
-        if isinstance(self.default, bool):
-            return "true or false"
-        if self.choices:
-            return "one of " + ", ".join(self.choices)
-        kind = "a whole number" if isinstance(self.default, int) else "a number"
-        return f"{kind} from {self.minimum:g} to {self.maximum:g}"
+            value = int(text) if option.whole else float(text)
+        except ValueError:
+            kind = "whole number" if option.whole else "number"
+            raise ValueError(f"must be a {kind}, got {text!r}") from None
+    checked: Value = option.checked(value)
+    return checked
 
 
-def complete(options: Sequence[Option], chosen: Mapping[str, Value]) -> JsonObject:
+def complete(options: Mapping[str, Declaration], chosen: Mapping[str, Value]) -> JsonObject:
     """The value of every option: the chosen one, checked, or the default. Raises ValueError for an
     unknown option."""
-    known = {option.name: option for option in options}
-    for name in chosen:
-        if name not in known:
+    values = {name: option.shown for name, option in options.items()}
+    for name, value in chosen.items():
+        if name not in options:
             raise ValueError(
                 f"{name}: unknown option"
-                + (f"; known are {', '.join(known)}" if known else "; there are none")
+                + (f"; known are {', '.join(options)}" if options else "; there are none")
             )
-    return {
-        name: option.checked(chosen.get(name, option.default)) for name, option in known.items()
-    }
+        try:
+            values[name] = options[name].checked(value)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{name}: {error}") from None
+    return values
 
 
 @frozen
 class Format:
     """``label``: its name in menus. ``suffix``: of its files. ``module``: the module in
     `core.formats` that writes and, if it ``is_read``, reads it. ``files``: patterns of the names of
-    its files. ``carries``: what they hold."""
+    its files. ``carries``: what they hold. ``options``: by their names."""
 
     name: str
     label: str
@@ -97,15 +66,25 @@ class Format:
     files: str
     carries: str
     is_read: bool = False
-    options: tuple[Option, ...] = ()
+    options: Mapping[str, Declaration] = field(default_factory=dict)
 
 
 def _format(form: JsonObject) -> Format:
-    options = [
-        Option(**{**item, "choices": tuple(item.get("choices", ()))})
-        for item in form.pop("options", ())
-    ]
-    return Format(**form, options=tuple(options))
+    options = {item.pop("name"): _option(item) for item in form.pop("options", ())}
+    return Format(**form, options=options)
+
+
+def _option(form: JsonObject) -> Declaration:
+    """The declaration of an option: of the kind of its default."""
+    match form["shown"]:
+        case bool():
+            return Switch(**form)
+        case str():
+            return Choice(**form | {"items": {value: (value, "") for value in form["items"]}})
+        case int():
+            return Number(whole=True, **form)
+        case _:
+            return Number(digits=3, **form)
 
 
 FORMATS: Mapping[str, Format] = MappingProxyType(

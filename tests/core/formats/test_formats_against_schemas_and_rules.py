@@ -186,11 +186,11 @@ def test_options_of_formats(study, tmp_path):
     for chosen, message in [
         (
             {"profile": "Baseline"},
-            "profile: must be one of Main, Simple Parametric, not 'Baseline'",
+            "profile: must be one of Main, Simple Parametric, got 'Baseline'",
         ),
-        ({"error": 2.0}, "error: must be a number from 0.001 to 0.5, not 2.0"),
-        ({"error": float("nan")}, "error: must be a number from"),
-        ({"transients": 1}, "transients: must be true or false, not 1"),
+        ({"error": 2.0}, "error: must be from 0.001 to 0.5, got 2.0"),
+        ({"error": float("nan")}, "error: must be from"),
+        ({"transients": 1}, "transients: must be true or false, got 1"),
         ({"speed": 1}, "speed: unknown option; known are profile, error, transients"),
     ]:
         with pytest.raises(ValueError, match=re.escape(message)):
