@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -17,27 +17,13 @@ from ...core.run_time import Run, Scene, Step
 from ...core.run_time import open as open_run
 from ...core.scene.references import PlacedError
 from .convention import Convention
+from .stage import RATE, DeviceStage
 
 VERSION = 1
 MOST_OBJECTS = 10_000
 """Objects, sources or listeners of a run."""
 MESSAGES = ("hello", "step", "add", "replace", "remove", "play", "stop")
-RATE = 8000.0
-
 Answer = JsonObject | bytes
-
-
-class Stage(Protocol):
-    """What plays the blocks of a run on devices."""
-
-    latency: float
-    """Seconds by which devices play behind."""
-
-    def play(self, run: Run, step: Step) -> None:
-        """Play the block of a step."""
-
-    def stop(self) -> None:
-        """Fall silent."""
 
 
 class Conversation:
@@ -47,11 +33,11 @@ class Conversation:
     Without it, none do."""
 
     def __init__(
-        self, scene: Scene | None, admit: Callable[[Any], Stage | str | None] | None
+        self, scene: Scene | None, admit: Callable[[Any], DeviceStage | str | None] | None
     ) -> None:
         self._scene, self._admit = scene, admit
         self._is_admitted = False
-        self._stage: Stage | None = None
+        self._stage: DeviceStage | None = None
         self._warnings: list[str] = []
         self._convention = Convention()
         self.run: Run | None = None

@@ -17,7 +17,8 @@ from websockets.sync.server import Server, ServerConnection, serve
 
 from ...core.run_time import Scene
 from ...core.scene.references import PlacedError
-from .conversation import Answer, Conversation, Stage, text_of
+from .conversation import Answer, Conversation, text_of
+from .stage import DeviceStage
 
 LARGEST = 4 * 2**20
 """Bytes of a message."""
@@ -74,7 +75,7 @@ class Door:
     def __init__(
         self,
         scene: Scene | None,
-        stage: Stage | None,
+        stage: DeviceStage | None,
         host: str,
         token: str,
         origins: Sequence[str],
@@ -175,7 +176,7 @@ class Door:
                     if self._stage is not None:
                         self._stage.stop()
 
-    def _stage_for(self, connection: ServerConnection, message: Any) -> Stage | str | None:
+    def _stage_for(self, connection: ServerConnection, message: Any) -> DeviceStage | str | None:
         """The devices for a client with this first message: the first one that has the token gets
         them, others are told. Raises PlacedError where only clients with the token are answered."""
         token = message.get("token") if isinstance(message, dict) else None

@@ -13,8 +13,9 @@ from ...core.devices.mapping import ListenerMapping, map_listeners
 from ...core.devices.profiles import Adjustment, Profile
 from ...core.run_time import Run, Step
 from .. import say
-from .conversation import RATE
 
+RATE = 8000.0
+"""Samples per second of what devices play."""
 SILENCE = 0.25
 """Seconds after the last step from which devices are silent."""
 _LOOK = 0.02
@@ -23,9 +24,9 @@ _AGAIN = 2.0
 
 
 class DeviceStage:
-    """Devices that play the blocks of one run at a time. They fall silent `SILENCE` seconds after
-    the last block; those that are lost meanwhile are named on stderr, and play again when they are
-    back."""
+    """Devices that play the blocks of one run at a time, ``latency`` seconds later. They fall
+    silent `SILENCE` seconds after the last block; those that are lost meanwhile are named on
+    stderr, and play again when they are back."""
 
     def __init__(self, outputs: dict[str, DeviceOutput]) -> None:
         self.outputs = outputs
