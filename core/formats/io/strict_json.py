@@ -35,6 +35,8 @@ _STEPS = np.zeros(256, dtype=np.int8)
 """By byte: the change of the nesting depth, 1 at an opening and -1 at a closing bracket."""
 _STEPS[list(b"[{")], _STEPS[list(b"]}")] = 1, -1
 
+_TRAILING = re.compile(rb'"(?:[^"\\]++|\\.)*+"|,(?=[ \t\r\n]*[]}])', re.DOTALL)
+"""A string, or a comma outside of strings before a closing bracket."""
 _SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
 
 _BLENDER_FILES = b"BLENDER", b"\x28\xb5\x2f\xfd"
@@ -76,15 +78,7 @@ def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
 def without_trailing_commas(data: bytes) -> bytes:
     """JSON text with a space in place of each comma before a closing bracket, which some
     applications accept."""
-    codes = np.frombuffer(data, dtype=np.uint8).copy()
-    unescaped = np.frombuffer(_without_escapes(data), dtype=np.uint8)
-    outside = np.cumsum(unescaped == ord('"'), dtype=np.uint8) & 1 == 0
-    written = np.flatnonzero(~np.isin(codes, np.frombuffer(b" \t\r\n", dtype=np.uint8)) | ~outside)
-    first = written[:-1]
-    second = written[1:]
-    closing = ((codes[second] == ord("]")) | (codes[second] == ord("}"))) & outside[second]
-    codes[first[(codes[first] == ord(",")) & outside[first] & closing]] = ord(" ")
-    return codes.tobytes()
+    return _TRAILING.sub(lambda found: b" " if found[0] == b"," else found[0], data)
 
 
 def _without_escapes(data: bytes) -> bytes:
@@ -145,10 +139,10 @@ def parse_json(data: bytes, file: str | Path) -> Any:
     return document
 
 
-def read_json(path: str | Path, max_bytes: int = MAX_BYTES) -> Any:
+def read_json(path: str | Path) -> Any:
     """The document in a ``.json`` or ``.json.gz`` file. Raises FormatError or OSError."""
     path = Path(path)
-    return parse_json(read_bytes(path, max_bytes), path)
+    return parse_json(read_bytes(path), path)
 
 
 def _check_extent(data: bytes, file: str | Path) -> None:
