@@ -19,7 +19,7 @@ from dataclasses import field
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, added_by
+from ..arrays import BoolArray, FloatArray, IntArray, added_by, runs
 from ..frozen import frozen
 
 ITERATIONS = 2000
@@ -34,6 +34,9 @@ evaluation: often that is exact to rounding."""
 
 PADDED = 3
 """Times that padding to the longest row may enlarge a matrix."""
+
+TOGETHER = 2**17
+"""Products up to which several systems are multiplied together: more do not stay in the cache."""
 
 SMALLEST = 1e-300
 """Added to divisors, so that a column that is solved exactly does not change."""
@@ -218,32 +221,42 @@ class _Matrix:
         self._blocks = balance.blocks
         self._system = np.arange(systems).repeat(columns)
         self.diagonal = balance.diagonal[self._system]
-        self._mine: list[IntArray | slice] = []
         self.restrict(np.arange(len(self._system)))
 
     def restrict(self, chosen: IntArray) -> None:
-        """Multiply only the vectors of these numbers from now on."""
-        values = self._system_values
-        system = self._system[chosen]
-        self._values, self._mine = values, [slice(None)]
-        if len(values) > 1:
-            self._values = values[system]
-            self._mine = [np.flatnonzero(system == k) for k in range(len(values))]
-        self._terms = np.empty((len(chosen), *self._column.shape))
+        """Multiply only the vectors of these numbers, which ascend, from now on."""
+        values, system = self._system_values, self._system[chosen]
+        begin, size = runs(system)
+        self._runs = [
+            (slice(first, first + count), int(system[first]))
+            for first, count in zip(begin.tolist(), size.tolist(), strict=True)
+        ]
+        together = len(values) > 1 and len(chosen) * self._column.size < TOGETHER
+        self._groups = (
+            [(slice(0, len(chosen)), values[system])]
+            if together
+            else [(mine, values[number]) for mine, number in self._runs]
+        )
+        longest = max((mine.stop - mine.start for mine, _ in self._groups), default=0)
+        self._terms = np.empty((longest, *self._column.shape))
 
     def times(self, vectors: FloatArray) -> FloatArray:
         """The matrix times ``vectors`` (b, n), one for each of the chosen numbers."""
-        # All are in range: this mode is only the quickest.
-        vectors.take(self._column, axis=1, out=self._terms, mode="wrap")
-        self._terms *= self._values
-        sums = self._terms.sum(axis=1)
+        result = np.empty_like(vectors)
         count = vectors.shape[1]
-        result: FloatArray = sums[:, :count]
-        if len(self._longer):
-            result[:, self._longer] += np.add.reduceat(sums[:, count:], self._begin, axis=1)
+        for mine, values in self._groups:
+            terms = self._terms[: mine.stop - mine.start]
+            # All are in range: this mode is only the quickest.
+            vectors[mine].take(self._column, axis=1, out=terms, mode="wrap")
+            terms *= values
+            sums = terms.sum(axis=1)
+            if len(self._longer):
+                further = np.add.reduceat(sums[:, count:], self._begin, axis=1)
+                sums[:, self._longer] += further
+            result[mine] = sums[:, :count]
         for begin, block in self._blocks:
             part = slice(begin, begin + block.shape[1])
             # No BLAS: bits are independent of threads and of other columns.
-            for mine, values in zip(self._mine, block, strict=True):
-                result[mine, part] -= np.einsum("ij,kj->ki", values, vectors[mine, part])
+            for mine, system in self._runs:
+                result[mine, part] -= np.einsum("ij,kj->ki", block[system], vectors[mine, part])
         return result
