@@ -20,7 +20,7 @@ import tracemalloc
 from pathlib import Path
 from typing import NamedTuple
 
-NAMES = ("kitchen", "robots", "walker", "pile", "city", "house", "still", "instances")
+NAMES = ("kitchen", "robots", "walker", "pile", "rings", "city", "house", "still", "instances")
 BLOCK = 10
 
 

@@ -1,4 +1,4 @@
-"""Scenes of concave, skinned and many objects, as content that is imported has them: six made by
+"""Scenes of concave, skinned and many objects, as content that is imported has them: those made by
 formulas, of which bowls, arms of robots and the walk are those of the samples, and two of robots
 that `PYBULLET_DATA` describes."""
 
