@@ -17,11 +17,14 @@ class Evaluation:
         objects: that were evaluated, by session id.
         edited: session ids of the meshes, and of the objects whose geometry may have changed, with
             the compounds that they are parts of.
+        authored: of those the objects that were moved, too: Blender says so of every edit of a
+            property.
         names_all: whether nothing else has changed, and no object has come or gone.
     """
 
     objects: Mapping[int, Object]
     edited: frozenset[int]
+    authored: frozenset[int]
     names_all: bool
 
     @classmethod
@@ -30,6 +33,7 @@ class Evaluation:
         being named."""
         objects: dict[int, Object] = {}
         edited: set[int] = set()
+        authored: set[int] = set()
         for update in depsgraph.updates:
             changed = update.id and update.id.original
             if isinstance(changed, (Scene, Collection)):
@@ -39,10 +43,12 @@ class Evaluation:
             elif isinstance(changed, Object):
                 objects[changed.session_uid] = changed
                 if update.is_updated_geometry:
-                    edited.update(_with_compounds(changed))
+                    whole = _with_compounds(changed)
+                    edited |= whole
+                    authored |= whole if update.is_updated_transform else set()
                 elif not update.is_updated_transform:  # animation may have hidden it
                     names_all = False
-        return cls(objects, frozenset(edited), names_all)
+        return cls(objects, frozenset(edited), frozenset(authored), names_all)
 
 
 def _with_compounds(obj: Object | None) -> set[int]:

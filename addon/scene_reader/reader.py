@@ -93,6 +93,7 @@ class SceneReader:
         self._settings = Settings()
         self._contact_settings = ContactSettings()
         self._unchecked: set[int] = set()  # session ids of objects whose geometry may have changed
+        self._authored: set[int] = set()  # and of those with properties that may have
         self._curves = AnimatedCurves()
         # By row: what its animated properties were last.
         self._animated: dict[int, tuple[Any, ...]] = {}
@@ -121,14 +122,14 @@ class SceneReader:
 
     def recheck_shapes(self) -> None:
         """Make the next `read` compare all geometry with that of the shapes."""
-        self._unchecked.update(
-            (*self._shapes, *self._bone_parts, *(mesh.session_uid for mesh in bpy.data.meshes))
-        )
+        self._authored.update((*self._shapes, *self._bone_parts))
+        self._unchecked |= {*self._authored, *(mesh.session_uid for mesh in bpy.data.meshes)}
 
     def note(self, evaluation: Evaluation) -> None:
         """Make the next `read` compare what an evaluation may have changed."""
         self._evaluations += 1
         self._unchecked |= evaluation.edited
+        self._authored |= evaluation.authored
         known = self._instances
         self._is_instance_moved |= not (
             known.instancers.isdisjoint(evaluation.objects)
@@ -462,6 +463,7 @@ class SceneReader:
             ]
         self._lists = lists
         self._unchecked.clear()
+        self._authored.clear()
         return lists
 
     def _by_row(self, objects: Mapping[int, Object]) -> dict[int, Object]:
@@ -524,6 +526,7 @@ class SceneReader:
         if lists is not self._lists:
             return reshaped
         unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
+        rows |= {self._rows[number] for number in self._authored & self._rows.keys()}
         for row in sorted(self._rows[number] for number in unchecked & self._rows.keys()):
             number = int(lists.rows.searchsorted(row))
             if row in rows or not np.array_equal(raw[number], self._raw[number]):
