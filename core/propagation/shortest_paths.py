@@ -158,6 +158,7 @@ class _Relaxation:
             np.array(self.views, dtype=np.int64) * self.count if len(self.tables) > 1 else None
         )
         self.arrivals, self.entries = self.arrival.reshape(-1), self.entry.reshape(-1)
+        self.entering = np.full(rows * self.count, math.inf)  # least cost of entering at each node
         if self.targets is not None:
             size = np.array([len(nodes) for nodes in self.targets])
             self.sought = np.concatenate(self.targets) + (np.arange(rows) * self.count).repeat(size)
@@ -239,8 +240,15 @@ def _relax_cheapest(
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Relax the cheapest of the pending entries, given by their row, node and cost (k,). Returns
     the entries pending afterwards."""
+    place = row * work.count + node
+    current = (cost <= work.entering[place]).nonzero()[0]  # the others have become cheaper since
+    if len(current) < len(row):
+        row = row[current]
+        node = node[current]
+        cost = cost[current]
+        place = place[current]
     base = cost + work.node_loss[work.table_index(row, node)]
-    useful = work.arrivals[row * work.count + node] > base
+    useful = work.arrivals[place] > base
     if work.special is not None:
         useful |= work.special[node]
     batches = []
@@ -348,8 +356,11 @@ def _relax(
             out=work.limits,
         )
     onwards = candidate + work.crossing[work.table_index(row, other)]
-    go = (onwards <= work.limits[row]).nonzero()[0]
-    return row[go], graph.partner[other[go]], onwards[go]
+    onto = graph.partner[other]
+    place = row * work.count + onto
+    go = ((onwards <= work.limits[row]) & (onwards < work.entering[place])).nonzero()[0]
+    work.entering[place[go]] = onwards[go]
+    return row[go], onto[go], onwards[go]
 
 
 def _finish_by_dijkstra(work: _Relaxation, row: IntArray, node: IntArray, cost: FloatArray) -> None:
