@@ -293,9 +293,7 @@ class CollisionDetector:
         self._last = frame
         return Collisions(
             contacts=contacts,
-            frames=numbering.frames(frame.transforms)
-            if _asks_for_frames(frame.settings, contacts, table, numbering.sizes)
-            else None,
+            frames=numbering.frames(frame, table, contacts),
             impacts=impacts or restored,
             sources=shots + rubbing + self._sources.sources(frame.transforms),
             statistics={
@@ -490,10 +488,22 @@ class _Numbering:
         index = table.index()
         self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
 
-    def frames(self, transforms: FloatArray) -> ObjectFrames:
-        """Return the frames of reference of the objects for rigid ``transforms`` (n, 4, 4) of the
-        bodies."""
-        return ObjectFrames.unknown(self._count).placed(self.objects, self.bounds, transforms)
+    def frames(self, frame: Frame, table: ObjectTable, contacts: ContactSet) -> ObjectFrames | None:
+        """The frames of reference of the objects that something asks for, None if nothing does:
+        gains for all that touch, and the axes of listeners with an extent, as it depends on how
+        they are turned where on them vibration arrives."""
+        transforms = frame.transforms
+        assert transforms is not None
+        frames = ObjectFrames.unknown(self._count)
+        turned = [self.row[item.object] for item in frame.listeners if item.radius > 0]
+        if turned:
+            frames = frames.turned(self.objects[turned], transforms[turned])
+        if not _asks_for_frames(frame.settings, contacts, table, self.sizes):
+            return frames if turned else None
+        touching = np.zeros(self._count, dtype=np.bool_)
+        touching[contacts.pairs] = True
+        rows = touching[self.objects].nonzero()[0]
+        return frames.placed(self.objects[rows], self.bounds[rows], transforms[rows])
 
     @cached_property
     def sizes(self) -> FloatArray:

@@ -65,6 +65,12 @@ class ObjectFrames:
             else transforms[chosen],
         )
 
+    def turned(self, numbers: IntArray, transforms: FloatArray) -> ObjectFrames:
+        """With the axes of objects ``numbers`` (k,) under rigid ``transforms`` (k, 4, 4)."""
+        axes = self.axes.copy()
+        axes[numbers] = transforms[:, :3, :3]
+        return ObjectFrames(self.centre, axes, self.size)
+
     def placed(self, numbers: IntArray, bounds: FloatArray, transforms: FloatArray) -> ObjectFrames:
         """With objects ``numbers`` (k,) under rigid ``transforms`` (k, 4, 4), whose boxes have the
         local ``bounds`` (k, 2, 3)."""

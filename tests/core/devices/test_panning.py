@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from haptic_tracing.core.collisions import Frame
 from haptic_tracing.core.contacts.contact_set import ContactSet
+from haptic_tracing.core.contacts.settings import Body
+from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.devices.mapping import map_listeners, shares
 from haptic_tracing.core.devices.profile_files import parse_profile, profile
 from haptic_tracing.core.devices.profiles import Actuator, Calibration
@@ -145,6 +147,27 @@ def test_where_a_contact_arrives_in_the_volume():
     ):  # fmt: skip
         assert traced([place]).arrivals()[0] == pytest.approx(expected, abs=1e-12), place
     assert traced([]).arrivals().tolist() == [[0.5, 0.5]]
+
+
+def test_where_it_arrives_turns_with_the_body():
+    """A box that touches the wearer's left side, both turned about the vertical."""
+    shaft = HapticObject("back", 0, 1, shape=Box((0.2, 0.2, 0.4)))
+    hand = HapticObject("hand", 0, 1, shape=Box((0.1, 0.1, 0.1)))
+    for angle in (0.0, 0.5, np.pi / 2, np.pi):
+        way = np.array([np.cos(angle), np.sin(angle), 0.0])
+        transforms = np.tile(np.eye(4), (2, 1, 1))
+        transforms[:, :2, :2] = [[way[0], -way[1]], [way[1], way[0]]]
+        transforms[1, :3, 3] = 0.15 * way
+        frame = Frame(
+            1,
+            0.0,
+            (shaft, hand),
+            (Source("s", "hand", tuple(0.15 * way)),),
+            (Listener("l", "back", (0, 0, 0), radius=0.1),),
+            bodies=(Body.of(shaft, shaft.shape), Body.of(hand, hand.shape)),
+            transforms=transforms,
+        )
+        assert Tracer().step(frame).arrivals()[0] == pytest.approx((0, 0.5), abs=1e-9), angle
 
 
 def test_several_arrivals_count_by_their_power():
