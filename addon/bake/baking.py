@@ -10,7 +10,7 @@ from bpy.types import Scene
 
 from ...core.scene.values import Mode
 from ..blender.job import Job, Report
-from ..blender.words import Told, told
+from ..blender.words import TranslatedError, report_text
 from ..changes.redraw import redraw_viewports
 from ..changes.suspension import suspended
 from ..scene_reader.digest import digest_of, motion_of
@@ -30,13 +30,13 @@ def bake_job(scene: Scene) -> Job:
     """
     first, last = wanted_range(scene)
     if last < first:
-        raise Told("The frame range {} to {} is empty", first, last)
+        raise TranslatedError("The frame range {} to {} is empty", first, last)
     count = last - first + 1
     warnings: list[str] = []
 
     def reports(running: Job) -> list[Report]:
         running.progress(1.0)
-        done = told("1 frame baked") if count == 1 else told("{} frames baked", count)
+        done = report_text("1 frame baked") if count == 1 else report_text("{} frames baked", count)
         return [({"WARNING"} if warnings else {"INFO"}, "; ".join((done, *warnings)))]
 
     return Job("Baking", count, _steps(scene, first, last, warnings), reports, undo="Bake Haptics")
@@ -53,7 +53,7 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
         for result in results:
             if not recorder.frame_count:
                 if not result.listeners:
-                    raise Told("There is no listener: add one to feel something")
+                    raise TranslatedError("There is no listener: add one to feel something")
                 check_size(
                     len(result.listeners), last - first + 1, frame_duration, result.sample_rate
                 )

@@ -16,7 +16,7 @@ from bpy.types import Event as WindowEvent
 
 from .polling import Action, Need
 from .text import wrapped
-from .words import Told, said, told
+from .words import TranslatedError, report_text, ui_text
 
 BUDGET = 0.1
 """Seconds of work between two rounds of events."""
@@ -87,8 +87,10 @@ class Job:
     def state(self) -> str:
         """Description of the current activity."""
         if self._writing is None:
-            return said("{}: {} of {}", said(self.label), min(self.done, self.total), self.total)
-        return said("Writing")
+            return ui_text(
+                "{}: {} of {}", ui_text(self.label), min(self.done, self.total), self.total
+            )
+        return ui_text("Writing")
 
     def advance(self, seconds: float) -> list[Report] | None:
         """Work for this many seconds, at least one step. Returns None if there is more to do.
@@ -162,7 +164,7 @@ def run(operator: Operator, context: Context, job: Job) -> set[str]:
         and job.total > 1
     ):
         if Job.in_window is not None:
-            raise Told("{} is not done yet", Job.in_window.label)
+            raise TranslatedError("{} is not done yet", Job.in_window.label)
         job.asks = True
         Job.in_window = job
         bpy.app.timers.register(_start, first_interval=0.05)  # the file browser closes first
@@ -220,7 +222,7 @@ class HAPTIC_OT_run_job(Action):
             self.cancel(context)
             if not isinstance(error, (Cancelled, ValueError, OSError)):
                 raise
-            cancelled = {"WARNING"}, told("Cancelled: nothing was written")
+            cancelled = {"WARNING"}, report_text("Cancelled: nothing was written")
             self.report(*(cancelled if isinstance(error, Cancelled) else ({"ERROR"}, str(error))))
             return {"CANCELLED"}
         context.workspace.status_text_set(draw_status)  # draws the status bar again

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 from bpy.types import ID
 
-from .words import Told
+from .words import TranslatedError
 
 
 def local_path(stored: str, owner: ID) -> Path:
@@ -16,7 +16,7 @@ def local_path(stored: str, owner: ID) -> Path:
     access; mounted drives are local."""
     full = bpy.path.abspath(stored, library=owner.library)
     if ("://" in full or full.startswith(("\\\\", "//"))) and not bpy.app.online_access:
-        raise Told(
+        raise TranslatedError(
             "{} is on another computer: allow online access in Blender's preferences, or "
             "copy the file",
             full,

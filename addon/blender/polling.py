@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from bpy.types import Context, Object, Operator
 
-from .words import Told, told
+from .words import TranslatedError, report_text
 
 UNDO = {"REGISTER", "UNDO"}
 SOLID_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
@@ -61,7 +61,7 @@ ACTIVE = (
 )
 
 
-class Refused(Told):
+class Refused(TranslatedError):
     """The reason for which an operator does nothing, reported as a warning, not as an error."""
 
 
@@ -98,11 +98,11 @@ class Action(Operator):
 
     def tell(self, words: str, *values: object) -> None:
         """Report what was done."""
-        self.report({"INFO"}, told(words, *values))
+        self.report({"INFO"}, report_text(words, *values))
 
     def warn(self, words: str, *values: object) -> None:
         """Report what was not done."""
-        self.report({"WARNING"}, told(words, *values))
+        self.report({"WARNING"}, report_text(words, *values))
 
 
 class Edit(Action):

@@ -6,23 +6,23 @@ from bpy.app.translations import pgettext_iface, pgettext_rpt
 from bpy.types import UILayout
 
 
-def told(words: str, *values: object) -> str:
+def report_text(words: str, *values: object) -> str:
     """A report or the message of an error."""
     translated = pgettext_rpt(words)
     return translated.format(*values) if values else translated
 
 
-def said(words: str, *values: object) -> str:
+def ui_text(words: str, *values: object) -> str:
     """A text of the interface."""
     translated = pgettext_iface(words)
     return translated.format(*values) if values else translated
 
 
-class Told(ValueError):
+class TranslatedError(ValueError):
     """An error whose message is a text with gaps, and the values in these."""
 
     def __init__(self, words: str, *values: object) -> None:
-        super().__init__(told(words, *values))
+        super().__init__(report_text(words, *values))
 
 
 def show(layout: UILayout, text: str, icon: str = "NONE") -> None:

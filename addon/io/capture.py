@@ -19,7 +19,7 @@ from ...core.modalities import MODALITIES
 from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import HapticScene
-from ..blender.words import Told
+from ..blender.words import TranslatedError
 from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
 
@@ -74,7 +74,7 @@ class Capture:
         an empty range.
         """
         if self.frames < 1:
-            raise Told("The frame range {} to {} is empty", self.start, self.end)
+            raise TranslatedError("The frame range {} to {} is empty", self.start, self.end)
         with closing(self._results()) as results:
             for result in results:
                 self.add(result)

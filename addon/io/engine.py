@@ -17,7 +17,7 @@ from ...core.formats.io.json_text import write_compact
 from ...core.forms import Form
 from ...core.run_time.pack import PackRecorder
 from ...core.scene.values import HapticScene, SourceKind
-from ..blender.words import Told
+from ..blender.words import TranslatedError
 from ..changes.suspension import suspended
 from ..session import session, timeline
 from . import gltf
@@ -87,7 +87,7 @@ class EngineExport:
             )
         except (AttributeError, RuntimeError) as error:
             reason = str(error).strip().removeprefix("Error: ")
-            raise Told("Blender's glTF exporter failed: {}", reason) from None
+            raise TranslatedError("Blender's glTF exporter failed: {}", reason) from None
         finally:
             scene.frame_start, scene.frame_end = before[:2]
             scene.frame_set(before[2])

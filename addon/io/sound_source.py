@@ -20,7 +20,7 @@ from ...core.signals.sound import Clip, Heard, block_count, heard, mixed
 from ..blender import compatibility
 from ..blender.single_precision import shortest
 from ..blender.time import frame_seconds, seconds_of
-from ..blender.words import Told, said
+from ..blender.words import TranslatedError, ui_text
 from ..properties.sound import device_profiles, sound_path
 from ..scene_reader.imported import text_of
 
@@ -42,7 +42,7 @@ class DecodedSound:
         try:
             import aud
         except ImportError:
-            raise Told("this Blender is built without audio") from None
+            raise TranslatedError("this Blender is built without audio") from None
         self._sound = aud.Sound.file(str(path))
         self._folder = folder
         self._name = name or path.name
@@ -83,7 +83,7 @@ class Conversion:
         try:
             yield from self._steps()
         except (OSError, ValueError) as error:
-            fault = bpy.data.objects[self._name].haptics.source.sound.fault = said(str(error))
+            fault = bpy.data.objects[self._name].haptics.source.sound.fault = ui_text(str(error))
             raise ValueError(fault) from None
 
     def _steps(self) -> Generator[None, None, None]:
@@ -109,7 +109,7 @@ def _feel(sound: Any) -> Feel:
     if sound.carrier == "DEVICE":
         known = device_profiles().get(sound.device)
         if known is None:
-            raise Told("there is no device profile '{}'", sound.device)
+            raise TranslatedError("there is no device profile '{}'", sound.device)
         numbers["frequency"] = known.best_frequency
     low, high = sorted(map(shortest, sound.band))
     return Feel(pitch=sound.carrier == "PITCH", band=(low, high), **numbers)
@@ -132,7 +132,7 @@ def _waves(found: Heard, feel: Feel) -> str:
 
 def _of_file(scene: Scene, sound: Any) -> Iterator[Clip]:
     if not sound.filepath:
-        raise Told("choose a file first")
+        raise TranslatedError("choose a file first")
     yield Clip(DecodedSound(sound_path(sound.id_data, sound.filepath)))
 
 
@@ -144,7 +144,7 @@ def _of_speaker(scene: Scene, sound: Any) -> Iterator[Clip]:
         or speaker.data.sound is None
         or speaker.data.muted
     ):
-        raise Told("choose a speaker first that has a sound and is not muted")
+        raise TranslatedError("choose a speaker first that has a sound and is not muted")
     animation, data = speaker.animation_data, speaker.data
     tracks = [
         track for track in (animation.nla_tracks if animation is not None else ()) if not track.mute
@@ -171,10 +171,10 @@ def _of_sequencer(scene: Scene, sound: Any) -> Iterator[Clip]:
     ]
     chosen = [strip for strip in heard if sound.strip in ("", strip.name)]
     if not chosen:
-        raise Told("there is no sound strip '{}' that is not muted", sound.strip or "*")
+        raise TranslatedError("there is no sound strip '{}' that is not muted", sound.strip or "*")
     for strip in chosen:
         if len(getattr(strip, "retiming_keys", ())):
-            raise Told(
+            raise TranslatedError(
                 "the strip '{}' is retimed: render the audio to a file and choose that", strip.name
             )
         first, last = compatibility.strip_ends(strip)

@@ -7,7 +7,7 @@ import numpy as np
 from ...core.formats.tracks.vibration_file import Channel, VibrationFile
 from ...core.signals import Loop, Sampled, Signal
 from ..blender.single_precision import shortest
-from ..blender.words import Told
+from ..blender.words import TranslatedError
 
 HIGHEST_RATE = 8000
 """Highest sample rate of a stored recording [Hz]: the rate at which listeners are rendered."""
@@ -16,9 +16,11 @@ HIGHEST_RATE = 8000
 def chosen_channel(reading: VibrationFile, number: int) -> Channel:
     """A channel by its number, from 1. Raises ValueError if there is none."""
     if not reading.channels:
-        raise Told("There is no vibration in this file")
+        raise TranslatedError("There is no vibration in this file")
     if number > len(reading.channels):
-        raise Told("This file has no channel {}; the last one is {}", number, len(reading.channels))
+        raise TranslatedError(
+            "This file has no channel {}; the last one is {}", number, len(reading.channels)
+        )
     return reading.channels[number - 1]
 
 

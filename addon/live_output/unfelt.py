@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.types import Scene
 
-from ..blender.words import said
+from ..blender.words import ui_text
 from ..session import sessions
 from ..translations.sentences import sentence
 from . import handlers, outputs, player
@@ -28,5 +28,5 @@ def device_words(scene: Scene, listener: str) -> str:
     return (
         sentence(losses[0])
         if losses
-        else said("'{}' is muted: no actuator is chosen for it", listener)
+        else ui_text("'{}' is muted: no actuator is chosen for it", listener)
     )

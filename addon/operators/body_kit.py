@@ -8,7 +8,7 @@ from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, Bo
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
-from ..blender.words import Told
+from ..blender.words import TranslatedError
 from ..properties.kinds import choice
 from ..scene_reader.roles import follow_unit_scale, haptic_carrier
 from .materials import BODY_ITEMS
@@ -52,7 +52,7 @@ class HAPTIC_OT_add_default_listeners(OnActive):
             self._on_armature(context, armature, active, wanted)
             return
         if active.type not in SOLID_TYPES:
-            raise Told(
+            raise TranslatedError(
                 "'{}' has no surface: select the mesh or the armature of the body", active.name
             )
         is_new = not body_kit.listeners_on(active)
@@ -67,7 +67,7 @@ class HAPTIC_OT_add_default_listeners(OnActive):
         self, context: Context, armature: Object, active: Object, wanted: tuple[BodyPart, ...]
     ) -> None:
         if not is_editable(armature):
-            raise Told(LINKED)
+            raise TranslatedError(LINKED)
         is_new = not body_kit.listeners_on(armature)
         try:
             missing = body_kit.place_on_bones(armature, _new(armature, wanted), context.collection)
@@ -123,7 +123,7 @@ class HAPTIC_OT_mirror_listeners(OnSelected):
         context.view_layer.update()
         sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
         if not sided:
-            raise Told(
+            raise TranslatedError(
                 "None of the selected objects is a listener of the left or right side: "
                 "choose its body part"
             )

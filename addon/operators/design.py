@@ -25,7 +25,7 @@ from ..blender.polling import (
     Refused,
     is_editable,
 )
-from ..blender.words import Told, said, show_pair, told
+from ..blender.words import TranslatedError, report_text, show_pair, ui_text
 from ..properties.kinds import limited, switch, text
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions
@@ -102,7 +102,7 @@ class HAPTIC_OT_make_felt(Edit):
             for change in planned.changes:
                 _draw_row(
                     column,
-                    f"{said(_NAMES[change.kind])}: {change.name}",
+                    f"{ui_text(_NAMES[change.kind])}: {change.name}",
                     f"{change.before:.3g}",
                     f"{change.after:.3g}",
                 )
@@ -128,7 +128,7 @@ class HAPTIC_OT_make_felt(Edit):
             )
         self.report(
             {"WARNING" if left else "INFO"},
-            told(
+            report_text(
                 "Felt now; the least margin is {} at '{}'"
                 if not left
                 else "Felt now, except by: {1}",
@@ -367,7 +367,7 @@ class HAPTIC_OT_fit_material(Action):
         chosen = scene.haptics.materials.fit
         traced = _traced_now(context)
         if chosen.object is None or not is_editable(chosen.object):
-            raise Told(LINKED)
+            raise TranslatedError(LINKED)
         read = recordings.read_recordings(
             *(Path(bpy.path.abspath(path)) for path in (chosen.source_file, chosen.listener_file))
         )
@@ -385,7 +385,7 @@ def _steps(
     yield from read.steps()
     chosen = scene.haptics.materials.fit
     if chosen.object is None or chosen.source is None or chosen.listener is None:
-        raise Told(_CHOOSE)
+        raise TranslatedError(_CHOOSE)
     item = scene.haptics.materials.items.get(chosen.object.haptics.material.name)
     names = [
         o.name for o in graph.table.objects if item is not None and o.material == item.name
@@ -424,7 +424,7 @@ def _steps(
     reports.append(
         (
             {"WARNING" if found.doubts else "INFO"},
-            told(
+            report_text(
                 "The model missed the recordings by {:.1f} dB, and misses them by {:.1f} dB now",
                 found.before,
                 found.after,

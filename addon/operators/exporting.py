@@ -19,7 +19,7 @@ from ..blender import job
 from ..blender.polling import Action
 from ..blender.single_precision import shortest
 from ..blender.text import wrapped
-from ..blender.words import Told, said, told
+from ..blender.words import TranslatedError, report_text, ui_text
 from ..io import capture, engine, frame_scene, last_export
 from ..properties.declared import property_of
 from ..properties.kinds import FRAMES, choice, switch, text, whole
@@ -62,7 +62,7 @@ class RangeExport(ExportHelper):
             return None
         collection = bpy.data.collections.get(self.collection)
         if collection is None:
-            raise Told("There is no collection '{}'", self.collection)
+            raise TranslatedError("There is no collection '{}'", self.collection)
         return {obj.name_full for obj in collection.all_objects}
 
     def captured(
@@ -297,7 +297,7 @@ class HAPTIC_OT_export_engine(RangeExport, Action):
     def apply(self, context: Context) -> set[str]:
         path = Path(bpy.path.abspath(self.filepath.removesuffix(".glb")))
         if not path.parent.is_dir():
-            raise Told("There is no folder {}", path.parent)
+            raise TranslatedError("There is no folder {}", path.parent)
         work = engine.EngineExport(
             context.scene, self.frame_start, self.frame_end, path, self.packed
         )
@@ -337,7 +337,7 @@ def track_writer(
 
     def write(export: Export, running: job.Job) -> list[job.Report]:
         def consent(poor: registry.Written) -> bool:
-            question = said(
+            question = ui_text(
                 "The new files keep little of the vibration. Replace {}?", shown(poor.files)
             )
             return running.ask((question, *registry.sentences(poor.fidelity)))
@@ -348,7 +348,7 @@ def track_writer(
         return (
             written(done.files, done.losses)
             if done.files
-            else [({"WARNING"}, told("Nothing was replaced"))]
+            else [({"WARNING"}, report_text("Nothing was replaced"))]
         )
 
     return write
@@ -379,18 +379,20 @@ def written(files: Collection[Path], losses: Collection[str]) -> list[job.Report
     reports: list[job.Report] = [
         (
             {"INFO"},
-            told("Not in these files: {}" if len(files) > 1 else "Not in this file: {}", loss),
+            report_text(
+                "Not in these files: {}" if len(files) > 1 else "Not in this file: {}", loss
+            ),
         )
         for loss in losses
     ]
-    return [*reports[:MOST_REPORTED], ({"INFO"}, told("Written: {}", shown(files)))]
+    return [*reports[:MOST_REPORTED], ({"INFO"}, report_text("Written: {}", shown(files)))]
 
 
 def shown(files: Collection[Path]) -> str:
     """The names of the first three files, and the number of further ones."""
     names = [path.name for path in files]
     return ", ".join(names[:3]) + (
-        " " + told("and {} more", len(names) - 3) if len(names) > 3 else ""
+        " " + report_text("and {} more", len(names) - 3) if len(names) > 3 else ""
     )
 
 

@@ -8,7 +8,7 @@ import bpy
 from bpy.types import Context, Event, Operator
 
 from ..blender.polling import is_editable
-from ..blender.words import told
+from ..blender.words import report_text
 from ..gateway import is_loaded
 from ..view import lane
 
@@ -39,7 +39,7 @@ class HAPTIC_OT_drag_one_shot(Operator):
             x, view = event.mouse_region_x, context.region.view2d
             frame = round(view.region_to_view(x, 0)[0]) if event.ctrl else lane.snap(context, x)
             self._put(context, float(frame))
-            context.area.header_text_set(told("One-shot at frame {:g}", round(frame, 2)))
+            context.area.header_text_set(report_text("One-shot at frame {:g}", round(frame, 2)))
         elif is_over:
             self._put(context, self.mark.frame)
         elif event.type == "LEFTMOUSE" and event.value == "RELEASE":

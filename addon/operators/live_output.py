@@ -10,7 +10,7 @@ from bpy.types import Context, Event, Operator
 from ...core.declaration import Curve
 from ..blender.extension import profile_folders
 from ..blender.polling import UNDO, Action, OnActive, Refused, is_editable
-from ..blender.words import told
+from ..blender.words import report_text
 from ..live_output import handlers, outputs, player, preview, refresh
 from ..properties import actuators
 from ..properties.kinds import text
@@ -50,7 +50,7 @@ class HAPTIC_OT_connect_device(Action):
         key = self.device or outputs.preferred(preferences().default_device)
         found = outputs.found(key)
         if found is None:
-            raise Refused("{} is not connected: press Find Devices", key or told("A device"))
+            raise Refused("{} is not connected: press Find Devices", key or report_text("A device"))
         devices = context.scene.haptics.live_output.devices
         settings = devices.get(key)
         if settings is None:
@@ -216,7 +216,8 @@ class HAPTIC_OT_panic(Action):
             self.tell(
                 " ".join(
                     filter(
-                        None, [told("All haptic output is off"), f"({silent})" if silent else ""]
+                        None,
+                        [report_text("All haptic output is off"), f"({silent})" if silent else ""],
                     )
                 )
             )

@@ -17,7 +17,7 @@ from ..blender.polling import (
     editable,
 )
 from ..blender.progress import progress
-from ..blender.words import Told, show
+from ..blender.words import TranslatedError, show
 from ..properties.kinds import choice, switch, text
 from ..properties.materials import PRESET_ITEMS, TARGET_ITEMS, add_material, made_of, own_values
 from ..scene_reader.instances import with_instanced
@@ -93,13 +93,13 @@ class HAPTIC_OT_apply_material(OnSelected):
         chosen = library.targets(context, self.target)
         objects = [obj for obj in editable(chosen) if obj.type in SOLID_TYPES]
         if not objects:
-            raise Told(
+            raise TranslatedError(
                 "No object with a surface among them; select meshes that are not linked from "
                 "a library"
             )
         items = context.scene.haptics.materials.items
         if self.name and self.name not in items:
-            raise Told("This material is not in the scene's library any more")
+            raise TranslatedError("This material is not in the scene's library any more")
         item = (
             items[self.name]
             if self.name
@@ -194,7 +194,7 @@ class HAPTIC_OT_set_bodies(Edit):
     def apply(self, context: Context) -> None:
         shown = editable(with_instanced(context.scene.objects))
         if not library.set_bodies((obj for obj in shown if obj.haptics.enabled), self.body):
-            raise Told(
+            raise TranslatedError(
                 "No haptic object is made of flesh: select a body and press Add Body Listeners"
             )
 

@@ -9,7 +9,7 @@ from bpy.types import Context, Event, Object, Operator
 
 from ..blender import job
 from ..blender.polling import Need, OnActive
-from ..blender.words import told
+from ..blender.words import report_text
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
 from ..properties.kinds import limited, share, text, whole
@@ -105,7 +105,7 @@ def convert_sound(operator: Operator, context: Context, obj: Object) -> set[str]
     except (OSError, ValueError) as error:
         obj.haptics.source.sound.fault = str(error)
         raise
-    written = [({"INFO"}, told("Sound converted"))]
+    written = [({"INFO"}, report_text("Sound converted"))]
     steps, count = work.steps(), work.step_count
     conversion = job.Job("Converting", count, steps, lambda running: written, "Convert Sound")
     return job.run(operator, context, conversion)

@@ -23,7 +23,7 @@ from ..blender.polling import (
 )
 from ..blender.progress import progress
 from ..blender.units import metres_per_unit
-from ..blender.words import Told, told
+from ..blender.words import TranslatedError, report_text
 from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch, text
 from ..properties.signal_kinds import PLAIN
@@ -68,7 +68,7 @@ class HAPTIC_OT_make_objects(OnSelected):
         if not solid:
             instancer = next((obj for obj in editable(chosen) if obj.instance_collection), None)
             if instancer is not None:
-                raise Told(
+                raise TranslatedError(
                     "'{}' shows a collection that is linked from a library or has no surface: "
                     "press Realize Instances, then make the objects haptic",
                     instancer.name,
@@ -86,7 +86,7 @@ class HAPTIC_OT_make_objects(OnSelected):
             _add_physics(context, solid)
         unknown = [obj.name for obj in new if not obj.haptics.material.name]
         if unknown:
-            more = " " + told("and {} more", len(unknown) - 1) if len(unknown) > 1 else ""
+            more = " " + report_text("and {} more", len(unknown) - 1) if len(unknown) > 1 else ""
             words = "Made haptic: {}. Of unknown material: {}; choose it in Selected Object"
             self.tell(words, len(solid), unknown[0] + more)
         else:
@@ -157,7 +157,7 @@ def let_shake(scene: Scene, obj: Object) -> None:
         if obj.type not in SOLID_TYPES:
             raise ValueError(
                 linked_message([obj])
-                or told(
+                or report_text(
                     "'{}' has no surface: parent it to a haptic object first, so that it has "
                     "something to shake",
                     obj.name,
@@ -197,7 +197,7 @@ class HAPTIC_OT_add_listener(OnSelected):
         if nowhere:
             raise ValueError(
                 linked_message(nowhere)
-                or told(
+                or report_text(
                     "Parent these to haptic objects first, so that they touch something: {}",
                     ", ".join(obj.name for obj in nowhere[:5]),
                 )
@@ -262,7 +262,7 @@ class HAPTIC_OT_realize_instances(OnSelected):
     def apply(self, context: Context) -> None:
         instancers = [obj for obj in context.selected_objects if obj.instance_type != "NONE"]
         if not instancers:
-            raise Told(
+            raise TranslatedError(
                 "None of the selected objects shows instances of a collection. For those of "
                 "geometry nodes, add the node Realize Instances"
             )

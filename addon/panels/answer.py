@@ -10,7 +10,7 @@ from bpy.types import Context, Scene, UILayout
 from ...core.message import Chain, written
 from ..bake import playback, storage
 from ..blender.time import is_playing
-from ..blender.words import said, show, show_pair
+from ..blender.words import show, show_pair, ui_text
 from ..live_output import handlers, unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
@@ -84,7 +84,7 @@ def _watched_level(scene: Scene) -> levels.Level | None:
 def _first_words(why: explanation.Explanation) -> str:
     """The first reason for silence."""
     if not why.is_current:
-        return said("Looking for reasons...")
+        return ui_text("Looking for reasons...")
     return sentence(why.reasons[0]) if why.reasons else why.notice
 
 
@@ -94,11 +94,11 @@ def _draw_level(layout: UILayout, level: levels.Level) -> None:
     name = fitted(level.listener, 0.5, icon=True)
     select_button(split, level.listener, name, icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
     text = levels.decibels(level.rms)
-    split.progress(factor=level.place, text=text if level.is_silent else said("Level {}", text))
-    words = said("Felt: margin {}" if level.is_felt else "Too weak: margin {}")
+    split.progress(factor=level.place, text=text if level.is_silent else ui_text("Level {}", text))
+    words = ui_text("Felt: margin {}" if level.is_felt else "Too weak: margin {}")
     show(
         layout,
-        said("Feels nothing") if level.is_silent else words.format(level.margin_and_basis()),
+        ui_text("Feels nothing") if level.is_silent else words.format(level.margin_and_basis()),
         "CHECKMARK" if level.is_felt else "ERROR",
     )
 
@@ -111,11 +111,11 @@ def _draw_origin(layout: UILayout, path: Waterfall) -> int:
     select_button(
         split, name, source_title(path.source, _NAMES), icon="OUTLINER_OB_FORCE_FIELD", emboss=False
     )
-    show(split, said("Gain {}", levels.decibels(path.gain)))
+    show(split, ui_text("Gain {}", levels.decibels(path.gain)))
     if not path.hops:
         return 1
     chain = written(Chain(hop.object for hop in path.hops))
-    return 1 + draw_lines(layout, said("Through {}", chain), most=_LINES - 3)
+    return 1 + draw_lines(layout, ui_text("Through {}", chain), most=_LINES - 3)
 
 
 def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
@@ -127,7 +127,7 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
         row.label(text="Tracing is switched off", icon="ERROR")
         row.operator("haptic.toggle_tracing", text="", icon="HIDE_OFF")
     elif seconds > 0 and not is_playing():
-        words = said("Tracing for {:.0f} s...") if seconds >= 1 else said("Tracing...")
+        words = ui_text("Tracing for {:.0f} s...") if seconds >= 1 else ui_text("Tracing...")
         show(row, words.format(seconds), "SORTTIME")
         row.operator("haptic.cancel_tracing", text="", icon="X")
     elif storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
@@ -135,7 +135,7 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
         split.label(text="Baked, out of date", icon="ERROR")
         split.operator("haptic.bake", text="Bake Again")
     elif problems:
-        words = "1 problem" if len(problems) == 1 else said("{} problems", len(problems))
+        words = "1 problem" if len(problems) == 1 else ui_text("{} problems", len(problems))
         row.label(text=words, icon="ERROR")
         if problems[0].object:
             name = problems[0].object
@@ -144,12 +144,12 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
         row.label(text="Heard, too: see the speaker below", icon="SPEAKER")
     elif sessions.shown(scene) is not None and air_contacts.contacts_in_air(scene) > 0:
         count = air_contacts.contacts_in_air(scene)
-        show(row, said("Through air: {}", count), "INFO")
+        show(row, ui_text("Through air: {}", count), "INFO")
         row.operator(
             "haptic.use_real_surface", text="Use Real Surface", icon="MESH_DATA"
         ).all = True
     elif (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
-        words = said("{:,} instances move: {:.0f} ms a frame", *moving)
+        words = ui_text("{:,} instances move: {:.0f} ms a frame", *moving)
         show(row, words, "INFO")
         row.operator("haptic.realize_instances", text="", icon="OUTLINER_OB_GROUP_INSTANCE")
     elif (units := of_units(scene)) is not None:
@@ -158,7 +158,7 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
             row.operator(operator, text="", icon=icon)
     elif (doubt := doubtful_scale.doubt(scene)) is not None:
         word, size = doubt
-        words = said("'{}' of {:.0f} m") if word else said("{1:,} objects, no contact")
+        words = ui_text("'{}' of {:.0f} m") if word else ui_text("{1:,} objects, no contact")
         show(row, words.format(word, size), "QUESTION")
         row.prop(scene.unit_settings, "scale_length")
     else:
@@ -182,7 +182,7 @@ def draw_why(layout: UILayout, context: Context) -> None:
     level = _watched_level(scene)
     path = paths.path_of(scene)
     if level is None:
-        used = draw_lines(column, said("No listener: add one to feel something"))
+        used = draw_lines(column, ui_text("No listener: add one to feel something"))
     elif path is None or path.value is None or level.is_silent:
         used = _draw_reasons(column, context, explanation.why_silent(scene, name))
     else:
@@ -219,7 +219,7 @@ def _draw_path(layout: UILayout, context: Context, path: paths.ListenerPath) -> 
     last = sum(row.is_object for row in rows)
     if surplus > 0:
         cut = rows[last - surplus : last + 1]
-        more = said("and {} more", len(cut))
+        more = ui_text("and {} more", len(cut))
         rows[last - surplus : last + 1] = [paths.PathRow(more, sum(row.decibels for row in cut))]
     active = context.object.name_full if context.object is not None else ""
     for item in rows:

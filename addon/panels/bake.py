@@ -10,7 +10,7 @@ from bpy.types import Context, Scene, UILayout
 
 from ..bake import playback, storage, takes
 from ..blender import job
-from ..blender.words import said, show, show_pair
+from ..blender.words import show, show_pair, ui_text
 from ..view import levels
 from .drawing import ScenePanel, draw_each, settings_layout
 from .texts import draw_lines, draw_sentence, fitted
@@ -54,14 +54,14 @@ def _draw_track(layout: UILayout, scene: Scene, track: HapticTrack | None) -> No
         return
     box = layout.box()
     reasons = playback.known_stale_reasons(scene) or ()
-    baked = said("Frames {} to {} are baked", track.frame_start, track.frame_end)
-    words = said("The scene has changed since") if reasons else baked
+    baked = ui_text("Frames {} to {} are baked", track.frame_start, track.frame_end)
+    words = ui_text("The scene has changed since") if reasons else baked
     show(box, words, "ERROR" if reasons else "CHECKMARK")
     column = box.column(align=True)
     for reason in reasons:
         draw_lines(column, reason)
     count = len(track.listeners)
-    length = said("{:.1f} s, 1 listener") if count == 1 else said("{:.1f} s, {} listeners")
+    length = ui_text("{:.1f} s, 1 listener") if count == 1 else ui_text("{:.1f} s, {} listeners")
     show(box, length.format(track.duration, count))
     box.prop(bake, "use_track")
     layout.operator("haptic.delete_bake", icon="TRASH")
@@ -80,7 +80,7 @@ def _draw_takes(layout: UILayout, scene: Scene) -> None:
     other = next((i for i, take in enumerate(bake.takes) if take.track == bake.compared), None)
     if other is not None and bake.compared != bake.track:
         name = bake.takes[other].name
-        words = said("Switch to {}", name)
+        words = ui_text("Switch to {}", name)
         layout.operator(
             "haptic.play_take", text=words, icon="ARROW_LEFTRIGHT", translate=False
         ).index = other
@@ -98,7 +98,7 @@ def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
     show_pair(
         column,
         iface_("Level", "Haptics"),
-        said("compared with {}", fitted(other, 0.3)),
+        ui_text("compared with {}", fitted(other, 0.3)),
         0.35,
     )
     for item in latest.value:

@@ -8,7 +8,7 @@ from typing import Any
 from bpy.types import Context, Object, Panel, UILayout
 
 from ..blender.documentation import page_url
-from ..blender.words import said, show
+from ..blender.words import show, ui_text
 from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
@@ -118,19 +118,19 @@ def draw_carrier(layout: UILayout, obj: Object, verb: str) -> None:
     if carrier is None:
         warn(layout, "Not on a haptic object:", "make it haptic or parent it to one")
     elif carrier != obj:
-        show(layout, f"{said(verb)} {carrier.name}", "LINKED")
+        show(layout, f"{ui_text(verb)} {carrier.name}", "LINKED")
 
 
 def draw_more(layout: UILayout, count: int) -> None:
     """Draw how many items are not shown."""
     if count > 0:
-        show(layout, said("and {} more", count))
+        show(layout, ui_text("and {} more", count))
 
 
 def warn(layout: UILayout, *sentences: str) -> None:
     """Draw a warning, each of its parts from a new line on."""
     column = layout.column(align=True)
-    found = [line for text in sentences for line in lines(said(text), content_width() - ICON)]
+    found = [line for text in sentences for line in lines(ui_text(text), content_width() - ICON)]
     for number, line in enumerate(found):
         show(column, line, "ERROR" if number == 0 else "BLANK1")
 
@@ -142,7 +142,7 @@ def draw_problems(layout: UILayout, context: Context) -> None:
         return
     box = layout.box()
     box.label(
-        text="1 problem" if len(problems) == 1 else said("{} problems", len(problems)),
+        text="1 problem" if len(problems) == 1 else ui_text("{} problems", len(problems)),
         icon="ERROR",
     )
     for problem in problems[:_SHOWN_PROBLEMS]:

@@ -7,7 +7,7 @@ from bpy.types import Context, FileHandler, Menu, UILayout
 
 from ...core.formats.io.catalogue import FORMATS, READERS
 from ..blender import job
-from ..blender.words import said, show
+from ..blender.words import show, ui_text
 from ..io import last_export
 from ..properties.sound import SOUNDS
 from .drawing import ScenePanel, draw_more
@@ -37,15 +37,15 @@ def _draw_losses(layout: UILayout) -> None:
     if done is None or done.fidelity is None:
         return
     column = layout.box().column(align=True)
-    show(column, said("Lost in {}", done.files[0].name))
+    show(column, ui_text("Lost in {}", done.files[0].name))
     for listener in done.fidelity.listeners[:MOST_SHOWN]:
         row = column.row()
         row.alert = abs(listener.level) > POOR or bool(listener.missing or listener.invented)
         show(row, listener.name)
         show(row, f"{listener.level:+z.1f} dB")
         for text, times in (
-            (said("Missing onsets: {}"), listener.missing),
-            (said("Invented onsets: {}"), listener.invented),
+            (ui_text("Missing onsets: {}"), listener.missing),
+            (ui_text("Invented onsets: {}"), listener.invented),
         ):
             if times:
                 show(column, text.format(len(times)), "ERROR")
@@ -102,7 +102,7 @@ def draw_export(self: Menu, context: Context) -> None:
     self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
     self.layout.operator("export_scene.haptic_engine", text="Haptics for an Engine (.glb)")
     endings = "/".join(form.suffix for form in FORMATS.values() if form.name != "scene")
-    _draw_entry(self.layout, "export_scene.haptic_tracks", said("Haptic Tracks"), endings)
+    _draw_entry(self.layout, "export_scene.haptic_tracks", ui_text("Haptic Tracks"), endings)
 
 
 def draw_import(self: Menu, context: Context) -> None:
@@ -111,10 +111,10 @@ def draw_import(self: Menu, context: Context) -> None:
     _draw_entry(
         self.layout,
         "haptic.import_signal",
-        said("Haptic Signal for the Active Object"),
+        ui_text("Haptic Signal for the Active Object"),
         "/".join(READERS),
     )
-    title = said("Sound for the Active Object")
+    title = ui_text("Sound for the Active Object")
     _draw_entry(self.layout, "haptic.import_sound", title, "/".join(SOUNDS))
 
 

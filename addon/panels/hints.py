@@ -8,7 +8,7 @@ from bpy.types import Scene
 
 from ...core.frozen import frozen
 from ..blender.units import metres_per_unit
-from ..blender.words import said
+from ..blender.words import ui_text
 from ..scene_reader import roles, settings
 from ..session import sessions
 
@@ -29,7 +29,7 @@ def next_step(scene: Scene) -> Hint | None:
     """What to do next, until there is a listener, of which the summary says everything else; None
     then, or while the first frame is traced."""
     if not scene.haptics.tracing:
-        return Hint(said("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
+        return Hint(ui_text("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
     traced = sessions.shown(scene)
     if traced is None and sessions.is_behind(scene):
         return None
@@ -38,12 +38,14 @@ def next_step(scene: Scene) -> Hint | None:
         if problems:
             return Hint(problems[0].message)
         if traced is None and roles.is_any_tagged(scene):
-            return Hint(said("Nothing traced yet"), (("haptic.trace_frame", "FILE_REFRESH"),))
-        words = said("Select objects that touch, and press Make Haptic below")
+            return Hint(ui_text("Nothing traced yet"), (("haptic.trace_frame", "FILE_REFRESH"),))
+        words = ui_text("Select objects that touch, and press Make Haptic below")
     elif not _has_sources(scene, traced):
-        words = said("Select what vibrates, and press Add Source below")
+        words = ui_text("Select what vibrates, and press Add Source below")
     elif not traced.result.listeners:
-        words = said("Select what feels, and press Add Listener, or Add Body Listeners for a body")
+        words = ui_text(
+            "Select what feels, and press Add Listener, or Add Body Listeners for a body"
+        )
     else:
         return None
     return Hint(words, is_in_quick_start=True)
@@ -57,7 +59,7 @@ def of_units(scene: Scene) -> Hint | None:
         return None
     if not haptics.use_unit_scale and units.system != "NONE" and units.scale_length != 1.0:
         use = (("haptic.use_unit_scale", "CON_SIZELIKE"),)
-        return Hint(said("A unit counts as a metre"), use)
+        return Hint(ui_text("A unit counts as a metre"), use)
     if (
         not haptics.impacts
         or haptics.impacts_in_units
@@ -69,7 +71,7 @@ def of_units(scene: Scene) -> Hint | None:
     if _SLOWEST_FALL <= fall <= _FASTEST_FALL:
         return None
     return Hint(
-        said("Gravity: {:.3g} m/s²", fall),
+        ui_text("Gravity: {:.3g} m/s²", fall),
         (("haptic.set_gravity", "FORCE_FORCE"), ("haptic.impacts_in_units", "CON_SIZELIKE")),
     )
 

@@ -9,7 +9,7 @@ from bpy.types import AddonPreferences, Context, Scene, UILayout
 from ...core.devices import connection, mapping
 from ...core.render import limiter
 from ..blender.time import frame_seconds
-from ..blender.words import said, show, show_pair
+from ..blender.words import show, show_pair, ui_text
 from ..live_output import handlers, outputs, player
 from ..properties.preferences import preferences
 from ..session import sessions
@@ -60,8 +60,8 @@ def _draw_actuators(layout: UILayout, scene: Scene) -> None:
         column = layout.column(align=True)
         row = column.split(factor=0.45)
         show(row, listener.name)
-        text = ", ".join(_actuators_of(mapped, row_number)) or said("none")
-        text = text if listener.name in choices else said("Auto: {}", text)
+        text = ", ".join(_actuators_of(mapped, row_number)) or ui_text("none")
+        text = text if listener.name in choices else ui_text("Auto: {}", text)
         row.operator_menu_enum(
             "haptic.choose_actuator", "place", text=text, translate=False
         ).listener = listener.name
@@ -101,9 +101,9 @@ def _draw_devices(layout: UILayout, scene: Scene) -> None:
             continue
         box = _draw_title(layout, found.title, found.kind)
         if found.rule:
-            draw_sentence(box, said("You may not use it yet. Copy the rule into"), "ERROR")
+            draw_sentence(box, ui_text("You may not use it yet. Copy the rule into"), "ERROR")
             box.label(text=connection.UDEV_FILE)
-            draw_sentence(box, said("and plug the device in again"))
+            draw_sentence(box, ui_text("and plug the device in again"))
             box.operator("haptic.copy_udev_rule", icon="COPYDOWN").device = found.key
         elif found.permission:
             draw_sentence(box, found.permission, "ERROR")
@@ -136,17 +136,17 @@ def _draw_status(
     if status.message:
         draw_sentence(column, status.message)
     if status.state == "failed":
-        draw_sentence(column, said("Disconnect it and connect it again"))
+        draw_sentence(column, ui_text("Disconnect it and connect it again"))
     if status.writing_for > _BLOCKED:
-        draw_sentence(column, said("A write has been blocked for {:.1f} s", status.writing_for))
-    show_pair(column, said("Reports written"), f"{status.written}")
-    show_pair(column, said("Failed, lost"), f"{status.failed_writes}, {status.losses}")
+        draw_sentence(column, ui_text("A write has been blocked for {:.1f} s", status.writing_for))
+    show_pair(column, ui_text("Reports written"), f"{status.written}")
+    show_pair(column, ui_text("Failed, lost"), f"{status.failed_writes}, {status.losses}")
     lag = lag_of_picture(status, frame_seconds, rendering_seconds)
     if lag is not None:
         late = lag > mapping.LATEST or lag < EARLIEST
         show_pair(
             column,
-            said("Touch follows by"),
+            ui_text("Touch follows by"),
             f"{1000 * lag:.0f} ms" + (" (noticed)" if late else ""),
         )
         column.label(text="-15 to 50 ms go unnoticed", icon="ERROR" if late else "BLANK1")

@@ -11,7 +11,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender import job
-from ..blender.words import said, show, show_pair
+from ..blender.words import show, show_pair, ui_text
 from ..view import levels, watched
 from .drawing import ScenePanel, draw_each, draw_held, settings_layout
 from .texts import draw_sentence, fitted
@@ -177,14 +177,14 @@ def _draw_fit(layout: UILayout, fit: Any) -> None:
     damping, damping_error, gain, gain_error, before, after = fit.values
     column = layout.column(align=True)
     show(column, fitted(fit.fitted, icon=True), "MATERIAL")
-    show_pair(column, said("Loss / material's own"), f"{damping:.2f} ± {damping_error:.2f}")
+    show_pair(column, ui_text("Loss / material's own"), f"{damping:.2f} ± {damping_error:.2f}")
     if fit.is_calibrated and fit.first and fit.second:
-        show_pair(column, said("Gain of the contact"), f"{gain:.2f} ± {gain_error:.2f}")
-    show_pair(column, said("Error before"), f"{before:.1f} dB")
-    show_pair(column, said("Error now"), f"{after:.1f} dB")
+        show_pair(column, ui_text("Gain of the contact"), f"{gain:.2f} ± {gain_error:.2f}")
+    show_pair(column, ui_text("Error before"), f"{before:.1f} dB")
+    show_pair(column, ui_text("Error now"), f"{after:.1f} dB")
     grid = layout.grid_flow(row_major=True, columns=5, even_columns=True, align=True)
     for title in ("Hz", "Rec. dB", "Before", "Now", "Coh."):
-        show(grid, said(title))
+        show(grid, ui_text(title))
     for number, centre in enumerate(BAND_CENTRES):
         row = fit.bands[4 * number : 4 * number + 4]
         for text in (f"{centre:.0f}", *(f"{level:.1f}" for level in row[:3]), f"{row[3]:.2f}"):

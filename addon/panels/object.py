@@ -14,7 +14,7 @@ from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.values import HapticObject
 from ..blender.polling import SOLID_TYPES, is_editable
-from ..blender.words import said, show_pair
+from ..blender.words import show_pair, ui_text
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..session import sessions
@@ -131,7 +131,7 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
     hull = None if reading is None else reading.hulls.get(obj.name_full)
     rebuilding = 0.0 if reading is None else reading.rebuilt.get(obj.name_full, 0.0)
     if rebuilding > 1:
-        words = said("Its surface changes: to read it takes {:.0f} ms a frame")
+        words = ui_text("Its surface changes: to read it takes {:.0f} ms a frame")
         draw_sentence(layout, words.format(rebuilding), "INFO")
     is_hull = (
         haptics.surface == "CONVEX_HULL" if body is None else body.collision_shape == "CONVEX_HULL"
@@ -147,10 +147,10 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
     unit = context.scene.unit_settings.system
     length = bpy.utils.units.to_string(unit, "LENGTH", hull.deviation, precision=2)
     if has_bones:
-        words = said("A convex part for each bone touches, up to {} beside its surface")
+        words = ui_text("A convex part for each bone touches, up to {} beside its surface")
         draw_sentence(layout, words.format(length), "INFO")
         return
-    warn(layout, "Its convex hull touches,", said("up to {} beside its surface", length))
+    warn(layout, "Its convex hull touches,", ui_text("up to {} beside its surface", length))
     if body is None:
         layout.operator("haptic.use_real_surface", icon="MESH_DATA")
     else:
@@ -199,7 +199,7 @@ def advice(context: Context, obj: Object) -> Iterator[tuple[str, ...]]:
         else:
             twin = _twin(context, haptics)
             if twin is not None:
-                yield said("Feels the same as {}:", twin), "only (1 - κ) ρ counts"
+                yield ui_text("Feels the same as {}:", twin), "only (1 - κ) ρ counts"
     elif haptics.function == "constant" and haptics.constant == 0:
         yield ("Passes on nothing: the gain is 0",)
     if obj.rigid_body is not None and context.scene.rigidbody_world is None:

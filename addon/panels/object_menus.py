@@ -7,7 +7,7 @@ from bpy.types import Context, Menu
 
 from ...core.scene.values import MODES
 from ...sample_scenes import SAMPLES
-from ..blender.words import said
+from ..blender.words import ui_text
 from .thumbnails import cell
 
 # Operators on the selection, on the scene, on materials; unknown ones are left out.
@@ -120,7 +120,7 @@ class HAPTIC_MT_mode_pie(Menu):
         pie = self.layout.menu_pie()
         for mode, (title, _) in MODES.items():
             current = context.scene.haptics.mode == mode
-            text = f"{said(title)} ({mode})"
+            text = f"{ui_text(title)} ({mode})"
             pie.operator(
                 "haptic.set_mode",
                 text=text,

@@ -12,7 +12,7 @@ from bpy.types import Context, Header, Panel, UILayout
 from ...core.scene.choices import SourceKind
 from ...core.scene.values import MODES
 from ..bake import playback
-from ..blender.words import said, show, show_pair
+from ..blender.words import show, show_pair, ui_text
 from ..session import sessions
 from ..view import (
     comparison,
@@ -50,7 +50,7 @@ class HAPTIC_PT_result(SidebarPanel):
             row.label(text="Nothing traced yet")
         else:
             baked = playback.is_from_track(traced.result)
-            words = said("Frame {}, from the baked track" if baked else "Frame {}")
+            words = ui_text("Frame {}, from the baked track" if baked else "Frame {}")
             show(row, words.format(traced.result.number))
         row.popover("HAPTIC_PT_table", text="", icon="SPREADSHEET")
         row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
@@ -104,7 +104,7 @@ def _draw_sources(layout: UILayout, context: Context, result: FrameResult) -> No
     latest = watched.felt_at_watched(context.scene)
     heard = None if latest is None else latest.value
     counts = (0, 0, 0) if heard is None else heard.counts()
-    words = said("{} felt, {} masked, {} too weak", *counts)
+    words = ui_text("{} felt, {} masked, {} too weak", *counts)
     show(layout, words)
     felt = {} if heard is None else {item.source.name: item for item in heard.sources}
     lasting = [source.name for source in result.sources if source.kind is SourceKind.PERSISTENT]
@@ -116,13 +116,13 @@ def _draw_sources(layout: UILayout, context: Context, result: FrameResult) -> No
         cell.active = item is not None and item.state == "felt"
         words = levels.margin_words(item.margin) if item is not None else "\N{EM DASH}"
         if item is not None and item.masker:
-            words = said("by {}", item.masker)
+            words = ui_text("by {}", item.masker)
         show(cell, fitted(words, 0.35))
         _draw_switches(row, name, "source")
     draw_more(layout, len(lasting) - _SOURCES)
     if context.scene.haptics.impacts:
         count = len(result.sources) - len(lasting)
-        show(layout, said("Impacts: {}", count))
+        show(layout, ui_text("Impacts: {}", count))
 
 
 class HAPTIC_PT_table(Panel):
@@ -196,7 +196,7 @@ class HAPTIC_PT_comparison(ScenePanel):
         layout.label(text="Amplitude of the strongest source in dB")
         column = layout.column(align=True)
         for mode, (title, _) in MODES.items():
-            name = f"{said(title)} ({mode})"
+            name = f"{ui_text(title)} ({mode})"
             column.operator(
                 "haptic.set_mode", text=name, depress=scene.haptics.mode == mode, translate=False
             ).mode = str(mode)
@@ -223,11 +223,15 @@ class HAPTIC_PT_statistics(ScenePanel):
         result = session.shown.result
         column = layout.column(align=True)
         for stage, milliseconds in result.milliseconds.items():
-            show_pair(column, said(stage.replace("_", " ").capitalize()), f"{milliseconds:.2f} ms")
-        show_pair(column, said("Draw"), f"{session.draw_milliseconds:.2f} ms")
+            show_pair(
+                column,
+                ui_text(stage.replace("_", " ").capitalize()),
+                f"{milliseconds:.2f} ms",
+            )
+        show_pair(column, ui_text("Draw"), f"{session.draw_milliseconds:.2f} ms")
         column.separator()
         for name, value in result.statistics.items():
-            show_pair(column, said(name.replace("_", " ").capitalize()), f"{value:g}")
+            show_pair(column, ui_text(name.replace("_", " ").capitalize()), f"{value:g}")
 
 
 def draw_lane_switch(self: Header, context: Context) -> None:

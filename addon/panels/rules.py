@@ -6,7 +6,7 @@ from typing import Any
 
 from bpy.types import Context, UILayout, UIList
 
-from ..blender.words import said, show
+from ..blender.words import show, ui_text
 from ..properties.rules import SIDE_ITEMS
 from ..session import sessions
 from .texts import draw_sentence
@@ -31,7 +31,7 @@ class HAPTIC_UL_rules(UIList):
     ) -> None:
         row = layout.row(align=True)
         for kind, name in ((item.first_kind, item.first), (item.second_kind, item.second)):
-            show(row, said("Anything") if kind == "ANY" else name, _ICONS[kind])
+            show(row, ui_text("Anything") if kind == "ANY" else name, _ICONS[kind])
         table = data.path_from_id().rpartition(".")[2]
         if _problems(context, table, index):
             row.label(icon="ERROR")

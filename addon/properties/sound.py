@@ -13,7 +13,7 @@ from bpy.types import Context, Object, PropertyGroup
 from ...core.devices import profile_files
 from ..blender.extension import profile_folders
 from ..blender.paths import local_path
-from ..blender.words import Told
+from ..blender.words import TranslatedError
 from .callbacks import changed, updating
 from .kinds import choice, limited, reference, share, switch, text
 
@@ -44,7 +44,7 @@ def sound_path(owner: bpy.types.ID, path: str) -> Path:
     such file."""
     full = local_path(path, owner)
     if not full.is_file():
-        raise Told("there is no file {}", full)
+        raise TranslatedError("there is no file {}", full)
     return full
 
 

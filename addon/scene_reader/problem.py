@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...core.frozen import frozen
-from ..blender.words import told
+from ..blender.words import report_text
 
 
 @frozen
@@ -24,5 +24,5 @@ def why_untraced(problems: Sequence[Problem]) -> str:
     return (
         problems[0].message
         if problems
-        else told("Nothing is tagged: select objects and press Make Haptic")
+        else report_text("Nothing is tagged: select objects and press Make Haptic")
     )

@@ -19,7 +19,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.render.groups import MAX_DELAY
 from ...core.signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal, impact_template
 from ..blender.time import frame_seconds
-from ..blender.words import told
+from ..blender.words import report_text
 from ..changes.suspension import stepped, suspended
 from ..scene_reader.problem import Problem, why_untraced
 from ..scene_reader.reader import SceneReader
@@ -194,12 +194,12 @@ def _checked(
     before: FrameResult | None,
 ) -> FrameResult:
     if result is None or result.number != frame:
-        raise ValueError(told("Frame {} can't be traced: {}", frame, why_untraced(problems)))
+        raise ValueError(report_text("Frame {} can't be traced: {}", frame, why_untraced(problems)))
     if before is not None and [item.name for item in before.listeners] != [
         item.name for item in result.listeners
     ]:
         raise ValueError(
-            told(
+            report_text(
                 "The listeners change at frame {}: keep them all switched on, and set Gain to 0 "
                 "where nothing is to be felt",
                 frame,

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.arrays import FloatArray
-from ..blender.words import said
+from ..blender.words import ui_text
 from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
 from .cues import Cue
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
@@ -109,7 +109,7 @@ def label_text(label: Label) -> str:
     """The amplitude of a label as text: "−12.4 dB"; in words if it is 0."""
     if label.amplitude > 0:
         return decibel_text(label.amplitude)
-    return said("not reached") if label.is_listener else said("silent")
+    return ui_text("not reached") if label.is_listener else ui_text("silent")
 
 
 def _add_labels(
@@ -188,10 +188,10 @@ def _placed_legend(
         at_left: In the lower left corner, else in the right one.
     """
     shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
-    names = tuple(said(name) for name in NAMES.values())
+    names = tuple(ui_text(name) for name in NAMES.values())
     margin = _MARGIN * scale
     for some in dict.fromkeys((shapes, ())):
-        legend = _legend(data.scale, said("Amplitude"), some, names, scale)
+        legend = _legend(data.scale, ui_text("Amplitude"), some, names, scale)
         ((_, _, width, height),) = legend.bounds
         left = round(free[0] + margin if at_left else free[2] - margin - width)
         bottoms = [free[1], *(top for _, _, _, top in occupied)]

@@ -18,7 +18,7 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
-from ..blender.words import said
+from ..blender.words import ui_text
 
 STEPS = 256
 
@@ -80,7 +80,7 @@ class AmplitudeScale:
 def decibel_text(amplitude: float) -> str:
     """An amplitude as a designer reads it: "−12.4 dB", or "silent" for 0."""
     if amplitude <= 0:
-        return said("silent")
+        return ui_text("silent")
     value = round(20 * math.log10(amplitude), 1)
     if value == 0:
         return "0 dB"

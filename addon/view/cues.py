@@ -10,7 +10,7 @@ import numpy as np
 from bpy.types import Context
 
 from ...core.arrays import FloatArray
-from ..blender.words import said
+from ..blender.words import ui_text
 from . import paths
 from .hud import Rectangle
 from .render_data import Place
@@ -49,7 +49,7 @@ def cues_of(context: Context, perspective: FloatArray, free: Rectangle) -> tuple
                 free,
             )
             hidden = not obj.visible_get(viewport=context.space_data)
-            words = said("{} (hidden)", name) if hidden else name
+            words = ui_text("{} (hidden)", name) if hidden else name
             if arrow or hidden:
                 found.append(Cue(f"{arrow} {words}".strip(), place))
     return tuple(found)

@@ -13,7 +13,7 @@ from ...core.frozen import frozen
 from ...core.message import Message
 from ...core.scene.values import Listener, Source
 from ..blender.time import is_playing
-from ..blender.words import said
+from ..blender.words import ui_text
 from ..scene_reader.roles import is_silenced, solo_roles
 from ..session import sessions
 from ..session.derived import Derived
@@ -62,25 +62,25 @@ def why_silent(scene: Scene, listener: str) -> Explanation:
     traced = sessions.shown(scene)
     if not scene.haptics.tracing and traced is None:
         return Explanation(
-            said("Tracing is switched off: tick the box of the panel Haptic Tracing")
+            ui_text("Tracing is switched off: tick the box of the panel Haptic Tracing")
         )
     if traced is None:
         problems = sessions.shown_problems(scene)
         return Explanation(
             problems[0].message
             if problems
-            else said("Nothing has been traced yet: play, or press Trace This Frame")
+            else ui_text("Nothing has been traced yet: play, or press Trace This Frame")
         )
     if listener not in [item.name for item in traced.result.listeners]:
-        return Explanation(said("It was no listener when this frame was traced"))
+        return Explanation(ui_text("It was no listener when this frame was traced"))
     if listener in _silenced(traced.result.listeners, "listener"):
         return Explanation(
-            said("It is muted, or others are solo: see the buttons beside it in What Is Felt")
+            ui_text("It is muted, or others are solo: see the buttons beside it in What Is Felt")
         )
     notice = (
         ""
         if scene.haptics.tracing
-        else said("Tracing is switched off: this is how the scene was before.")
+        else ui_text("Tracing is switched off: this is how the scene was before.")
     )
     latest = _REASONS.latest(
         scene, (listener, _silenced(traced.result.sources, "source"), is_playing())

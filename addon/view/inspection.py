@@ -13,7 +13,7 @@ from ...core.arrays import FloatArray
 from ...core.diagnosis.connections import connections
 from ...core.message import Metres, written
 from ..blender.units import metres_per_unit
-from ..blender.words import said
+from ..blender.words import ui_text
 from ..changes.events import file_changed
 from ..session.derived import Derived
 from ..session.sessions import Traced
@@ -135,8 +135,8 @@ def words_of(link: Link) -> tuple[str, ...]:
         way = f"{written(Metres(link.distance))}, {loss}"
     else:
         title = f"{link.first} \N{MULTIPLICATION SIGN} {link.second}"
-        way = said("Contact, {}", loss)
-    gain = said("Gain up to here {}", change_words(link.gain))
+        way = ui_text("Contact, {}", loss)
+    gain = ui_text("Gain up to here {}", change_words(link.gain))
     return title, way, gain, f"{link.source} \N{RIGHTWARDS ARROW} {link.listener}"
 
 

@@ -18,7 +18,7 @@ from ...core.render.frame_result import FrameResult
 from ...core.render.history import lasts, still_samples
 from ...core.render.levels import LEVEL_SECONDS as LEVEL_SECONDS
 from ...core.render.levels import level_and_margin as level_and_margin
-from ..blender.words import said
+from ..blender.words import ui_text
 from ..session.derived import Derived
 from ..session.sessions import Traced
 
@@ -77,7 +77,7 @@ class Level:
 
 def basis_words(words: str, is_assumed: bool) -> str:
     """Words about a margin, with "(assumed)" if the listener's device isn't calibrated."""
-    return said("{} (assumed)", words) if is_assumed else words
+    return ui_text("{} (assumed)", words) if is_assumed else words
 
 
 def place_of(level: float) -> float:
@@ -87,13 +87,13 @@ def place_of(level: float) -> float:
 
 def decibels(level: float) -> str:
     """A level as text: "−12 dB", or "silent"."""
-    return said("silent") if level == -math.inf else whole_decibels(level)
+    return ui_text("silent") if level == -math.inf else whole_decibels(level)
 
 
 def change_words(change: float) -> str:
     """What is added to a level, in tenths of decibels with its sign: "−12.3 dB", or "silent"."""
     if change == -math.inf:
-        return said("silent")
+        return ui_text("silent")
     return f"{change:+.1f} dB".replace("-", "\N{MINUS SIGN}") if abs(change) >= 0.05 else "0.0 dB"
 
 

@@ -13,7 +13,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ...core.arrays import FloatArray, IntArray
 from ...core.frozen import frozen
 from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
-from ..blender.words import said
+from ..blender.words import ui_text
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
 from .levels import FLOOR, Level, place_of
@@ -150,7 +150,7 @@ def meter_hud(
         _add_row(builder, (x, y), level, columns)
     if layout.hidden:
         y -= ROW
-        builder.text(said("and {} more", layout.hidden), (x, y + 4), FAINT_INK)
+        builder.text(ui_text("and {} more", layout.hidden), (x, y + 4), FAINT_INK)
     if layout.scope is not None:
         y -= SCOPE_HEIGHT + GAP
         size = columns.width, SCOPE_HEIGHT
@@ -287,7 +287,7 @@ def add_scope(builder: HudBuilder, corner: Place, extent: Size, scope: Scope) ->
         builder.plate((x, low_end), (x + width / _SCOPE_COLUMNS, high_end), SCOPE_COLOUR, 0.0)
     span = f"±{full:.3g}"
     span_width = builder.width(span, SMALL_TEXT)
-    words = said("{}, last second", scope.listener)
+    words = ui_text("{}, last second", scope.listener)
     words = builder.fitted(words, width - span_width - 15, SMALL_TEXT)
     builder.text(words, (left + 5, high - 11), FAINT_INK, SMALL_TEXT)
     builder.text(
@@ -350,7 +350,7 @@ def add_body(
                 share = 0.5 + left * (0.5 - spot.across), 1.0 - spot.down
                 at = (low + share * (high - low)).tolist()
                 builder.line(at, at, (*_WHITE[:3], 0.25 + 0.75 * spot.amplitude), 2.5)
-        words = said(view)
+        words = ui_text(view)
         width = builder.width(words, SMALL_TEXT)
         builder.text(words, (middle - width / 2, y + HEIGHT * unit + 6), FAINT_INK, SMALL_TEXT)
         for side, place in (("L", left), ("R", -left)):

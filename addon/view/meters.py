@@ -12,7 +12,7 @@ from bpy.types import Context, Scene
 from ...core.scene.body_map import Spot
 from ...core.scene.values import MODES, Mode
 from ..blender.time import is_playing
-from ..blender.words import said
+from ..blender.words import ui_text
 from ..changes.events import file_changed
 from ..changes.redraw import SIDEBAR_TAB
 from ..session import sessions
@@ -121,7 +121,7 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
     room = corner_room(context, corner, width, scale, margin)
     traced, levels = sessions.shown(scene), levels_of(scene)
     is_late = sessions.is_behind(scene) and not is_playing()
-    title = said("Tracing..." if is_late else MODES[Mode(scene.haptics.mode)][0])
+    title = ui_text("Tracing..." if is_late else MODES[Mode(scene.haptics.mode)][0])
     key = (
         (traced and traced.serial, levels, spots, room, scale, corner, title, watched(scene)),
         (chosen.show_scope, chosen.show_body, bpy.app.translations.locale),

@@ -12,7 +12,7 @@ from bpy.types import Scene
 from ...core.diagnosis.waterfall import Waterfall, waterfall
 from ...core.message import Metres, written
 from ..blender.time import is_playing
-from ..blender.words import said
+from ..blender.words import ui_text
 from ..session.derived import Derived, Latest
 from ..session.sessions import Traced
 from .levels import LEVEL_SECONDS, basis_words, felt_samples, level_and_margin
@@ -91,15 +91,15 @@ def rows(path: ListenerPath, by_loss: bool = False) -> list[PathRow]:
         for hop in hops
     ]
     always = [
-        PathRow(said("Source amplitude"), fall.amplitude),
-        *(way or [PathRow(said("Gain"), fall.gain)]),
+        PathRow(ui_text("Source amplitude"), fall.amplitude),
+        *(way or [PathRow(ui_text("Gain"), fall.gain)]),
     ]
     steps = [
         *always,
-        PathRow(said("Other paths"), fall.others if way else 0.0),
-        PathRow(said("Listener gain"), fall.listener_gain),
-        PathRow(said("RMS of the signal"), fall.signal),
-        PathRow(said("Other sources, limiter"), fall.mix),
+        PathRow(ui_text("Other paths"), fall.others if way else 0.0),
+        PathRow(ui_text("Listener gain"), fall.listener_gain),
+        PathRow(ui_text("RMS of the signal"), fall.signal),
+        PathRow(ui_text("Other sources, limiter"), fall.mix),
     ]
     sums = [0.0]
     for step in steps:
@@ -118,7 +118,7 @@ def rows(path: ListenerPath, by_loss: bool = False) -> list[PathRow]:
     if math.isfinite(path.margin):
         margin = round(path.margin, 1)
         shown += [
-            PathRow(basis_words(said("Threshold of feeling"), path.is_assumed), level - margin),
+            PathRow(basis_words(ui_text("Threshold of feeling"), path.is_assumed), level - margin),
             PathRow(iface_("Margin", "Haptics"), margin, is_sum=True),
         ]
     return shown
