@@ -10,7 +10,7 @@ def steps(window):
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
     window.view.spaces.active.region_3d.view_perspective = "CAMERA"
-    running, storage, session = (
+    job, storage, session = (
         window.module(name)
         for name in ("addon.blender.job", "addon.bake.storage", "addon.session.session")
     )
@@ -27,7 +27,7 @@ def steps(window):
         bpy.ops.haptic.bake("INVOKE_DEFAULT")
     for _ in range(100):
         yield 0.1
-        if running.running() is not None and 0 < running.running().factor < 1:
+        if job.Job.in_window is not None and 0 < job.Job.in_window.factor < 1:
             window.seen["bakes a piece at a time"] = True
             break
     window.save_picture("bake-progress")
@@ -35,12 +35,12 @@ def steps(window):
     yield from window.press("ESC")
     yield 0.5
     window.seen["cancelled"] = (
-        running.running() is None and storage.track_of(scene) is None and scene.frame_current == 40
+        job.Job.in_window is None and storage.track_of(scene) is None and scene.frame_current == 40
     )
 
     with window.context():
         bpy.ops.haptic.bake("INVOKE_DEFAULT")
-    while running.running() is not None:
+    while job.Job.in_window is not None:
         yield 0.2
     window.seen["baked"] = storage.track_of(scene).frame_count == 120 and scene.frame_current == 40
     window.seen["no curves and no strip"] = (

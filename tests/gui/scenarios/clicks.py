@@ -53,7 +53,9 @@ def steps(window):
 
     def baked(count):
         yield from window.wait_until(lambda: storage.track_of(scene) is not None)
-        yield from window.wait_until(lambda: not window.module("addon.blender.job").running())
+        yield from window.wait_until(
+            lambda: window.module("addon.blender.job").Job.in_window is None
+        )
         yield from window.click_button("haptic.keep_take", columns=KEEP)
         yield from window.wait_until(lambda: len(scene.haptics.bake.takes) == count)
 

@@ -72,13 +72,15 @@ def steps(window):
     yield 1.0
     yield from window.screenshot("asked")
     job = window.module("addon.blender.job")
-    running, budget = job.running, job.BUDGET
+    budget = job.BUDGET
     job.BUDGET = 0.0  # a window of the recordings at a time: long enough to press a key
     yield from window.click_button("haptic.fit_material")
-    yield from window.wait_until(lambda: running() is not None and running().done > 0)
+    yield from window.wait_until(
+        lambda: job.Job.in_window is not None and job.Job.in_window.done > 0
+    )
     yield from window.screenshot("running")
     yield from window.press("ESC")
-    yield from window.wait_until(lambda: running() is None)
+    yield from window.wait_until(lambda: job.Job.in_window is None)
     window.seen["Esc leaves all as it was"] = (
         abs(floor.haptics.kappa - 0.6) < 1e-6 and not fit.fitted
     )
@@ -86,7 +88,7 @@ def steps(window):
     yield 0.5
     yield from window.click_button("haptic.fit_material")
     yield from window.wait_until(
-        lambda: bool(bpy.context.scene.haptics.materials.fit.fitted) and running() is None
+        lambda: bool(bpy.context.scene.haptics.materials.fit.fitted) and job.Job.in_window is None
     )
     yield 1.0
     found = bpy.data.objects["Floor"].haptics
