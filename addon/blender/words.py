@@ -19,7 +19,7 @@ def ui_text(words: str, *values: object) -> str:
 
 
 class TranslatedError(ValueError):
-    """An error whose message is a text with gaps, and the values in these."""
+    """An error with a translated message: ``words``, with ``values`` in place of each {}."""
 
     def __init__(self, words: str, *values: object) -> None:
         super().__init__(report_text(words, *values))

@@ -77,8 +77,8 @@ def holding(
 
 
 def property_of(declaration: Declaration, default: Any = None, more: Form = _NOTHING) -> Any:
-    """The property of a field that has this default if none is ``shown``. ``more``: further
-    arguments of Blender's property."""
+    """Blender's property for a declared field, with the field's ``shown`` default, else with
+    ``default``. ``more``: further arguments of the property."""
     unit = getattr(declaration, "unit", "")
     default = default if declaration.shown is None else declaration.shown
     common: dict[str, Any] = {

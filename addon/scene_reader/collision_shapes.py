@@ -43,8 +43,7 @@ def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
     """What the shape of ``obj`` depends on beside its geometry and stretch."""
     body = obj.rigid_body
     if body is None:
-        kept_apart = distance_of_cloth(obj, scene)
-        return obj.haptics.surface, obj.haptics.sunk_in, scene.haptics.contact_tolerance, kept_apart
+        return obj.haptics.surface, obj.haptics.sunk_in, scene.haptics.contact_tolerance
     margin = body.collision_margin * metres_per_unit(scene)
     return body.collision_shape, body.mesh_source, body.use_margin, margin
 
@@ -69,9 +68,11 @@ def distance_of_cloth(obj: Object, scene: Scene) -> float:
     return 0.0
 
 
-def collision_shape(obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
+def collision_shape(
+    obj: Object, depsgraph: Depsgraph, stretch: FloatArray, margin: float = 0.0
+) -> SurfaceShape:
     """The shape of ``obj`` with its world ``stretch`` (6,) [m per unit of the mesh], see
-    `rigid_transforms`, in the object's rotated frame.
+    `rigid_transforms`, in the object's rotated frame. ``margin`` [m]: its `distance_of_cloth`.
 
     A rigid body's own shape, which Blender does not shear, otherwise what the object's *Surface*
     says of the evaluated mesh. Raises ValueError if there is none, or if it extends further than
@@ -87,7 +88,6 @@ def collision_shape(obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> S
     if obj.rigid_body is None:
         surface = _triangles(obj, depsgraph, "FINAL")
         found = _shape_of_surface(obj, *surface, depsgraph.scene, stretch)
-        margin = distance_of_cloth(obj, depsgraph.scene)
         assert isinstance(found.shape, ConvexHull | MeshShape)
         return replace(found, shape=replace(found.shape, margin=margin)) if margin else found
     return _shape_of_body(obj, depsgraph, bounds, np.sign(scale) * lengths_of_axes(stretch))
@@ -100,7 +100,8 @@ def shape_of_instance(
     Raises ValueError as `collision_shape` does."""
     shown, owner = found.shown, found.owner
     if shown.original == owner and owner != found.instancer:
-        return collision_shape(owner, depsgraph, stretch)
+        margin = distance_of_cloth(owner, depsgraph.scene)
+        return collision_shape(owner, depsgraph, stretch, margin)
     if not isinstance(shown.data, Mesh) or len(shown.data.vertices) == 0:
         raise ValueError(iface_("its mesh has no vertices"))
     points, triangles = _arrays_of(shown.data)

@@ -21,7 +21,7 @@ from bpy.types import ID, NodeTree, Object, PropertyGroup, Scene
 from ...core.forms import Form, JsonObject
 from ...core.regular_file import open_regular
 from ..blender.arrays import read_array
-from ..blender.compatibility import fcurves_in, fcurves_of
+from ..blender.compatibility import animated_paths, fcurves_in, fcurves_of
 from ..blender.paths import local_path
 from ..blender.units import metres_per_unit
 from ..properties.drawing import AMPLITUDE, FREQUENCY
@@ -129,7 +129,7 @@ def digest_of(scene: Scene) -> Digest:
         obj.name_full: {
             "haptics": _haptic_sum(obj, scene),
             **_motion(obj),
-            "deformation": deformation_of(obj, _animation(obj)[0]),
+            "deformation": deformation_of(obj, animated_paths(obj) or ()),
         }
         for obj in moving
     }

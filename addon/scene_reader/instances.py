@@ -100,7 +100,7 @@ def instanced_in_vain(depsgraph: Depsgraph) -> list[Object]:
 
 
 def with_instanced(objects: Iterable[Object]) -> list[Object]:
-    """Objects, and then those of the collections that they show, and that these show."""
+    """Objects, followed by those of the collections that they instance, at any depth."""
     found = list(dict.fromkeys(objects))
     known = set(found)
     for obj in found:

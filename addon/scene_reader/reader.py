@@ -32,6 +32,7 @@ from .animated_curves import AnimatedCurves
 from .bone_parts import BoneParts, armature_of, parts_at_rest, rest_checksum
 from .collision_shapes import (
     collision_shape,
+    distance_of_cloth,
     mesh_checksum,
     shape_of_instance,
     shape_settings,
@@ -642,7 +643,8 @@ class SceneReader:
             shape = armature and self._bone_shape(obj, armature, depsgraph, stretch)
             if shape:
                 return shape
-        key = tuple(stretch.tolist()), shape_settings(obj, depsgraph.scene)
+        margin = distance_of_cloth(obj, depsgraph.scene)
+        key = tuple(stretch.tolist()), shape_settings(obj, depsgraph.scene), margin
         session_id = obj.session_uid
         # None is left of a mesh that has no shape any more.
         known = self._shapes.pop(session_id, None)
@@ -651,7 +653,7 @@ class SceneReader:
         started = perf_counter()
         content = mesh_checksum(obj, depsgraph) if is_unchecked or not is_known else None
         if known is None or not is_known or (is_unchecked and known[1] != content):
-            known = key, content, collision_shape(obj, depsgraph, stretch)
+            known = key, content, collision_shape(obj, depsgraph, stretch, margin)
             if is_unchecked and self._lists is not None:
                 milliseconds = 1000 * (perf_counter() - started)
                 self._rebuilt = {**self._rebuilt, obj.name_full: milliseconds}

@@ -34,8 +34,8 @@ class RecentImpacts:
         return np.array(sorted(self._last), dtype=np.int64)
 
     def expire(self, time: float, duration: float) -> None:
-        """Forget impacts whose refractory time is over for good at ``time`` [s], the end of a frame
-        of this ``duration`` [s]."""
+        """Drop the impacts that can suppress no later one: their refractory time is over at
+        ``time`` [s], the end of a frame of this ``duration`` [s]."""
         longest = self._refractory + max(duration, _TIPPING)
         self._last = {key: last for key, last in self._last.items() if time - last[0] <= longest}
 

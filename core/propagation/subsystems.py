@@ -299,7 +299,8 @@ def _coarsened(
     inner = 1 - sum(TAILS)
 
     def too_many(extent: FloatArray, regions: int) -> tuple[IntArray, FloatArray]:
-        """Objects with more than ``regions``, and the most lattice points (m,) within extents."""
+        """Numbers of the objects with more lattice points within their ``extent`` than so many
+        ``regions`` allow, and the most that these allow (m,)."""
         most = np.divide(
             regions * around,
             around - regions,

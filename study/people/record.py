@@ -36,8 +36,8 @@ def read_steps(path: Path) -> list[JsonObject]:
 
 
 def add_step(path: Path, step: Form) -> None:
-    """Append a step or a note with the time, on the disk when this returns; a line that was cut
-    off is replaced."""
+    """Append a step or a note with its time to a record, and flush it to the disk. A last line
+    that is incomplete, as a crash leaves it, is overwritten."""
     line = json.dumps({**step, "at": datetime.now(UTC).isoformat()})
     with path.open("a+b", buffering=0) as file:
         file.seek(0)

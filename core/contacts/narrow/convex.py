@@ -258,8 +258,8 @@ def separations(
 def _triangles_in_hulls(
     first: Sequence[Convex], second: Sequence[Convex], chosen: BoolArray
 ) -> Iterator[tuple[Hull, IntArray]]:
-    """The ``chosen`` pairs (n,) of a hull and a triangle, some at a time: the hull and their
-    numbers."""
+    """The ``chosen`` pairs (n,) of a hull and a triangle, grouped by hull: each hull, and numbers
+    of its pairs, a bounded number at a time."""
     alike: dict[Hull, list[int]] = {}
     for k in chosen.nonzero()[0].tolist():
         hull = first[k].hull

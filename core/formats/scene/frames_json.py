@@ -149,7 +149,7 @@ class _FrameReader:
 
 
 def _read_frame(form: Form, place: Place) -> RecordedFrame:
-    """A frame, whose references are not checked."""
+    """A frame as in the file; the names in it are not checked against the scene's."""
     for name, row in form.get("poses", {}).items():
         read_value(Pose, {"position": row[:3], "rotation": row[3:]}, (*place, "poses", name))
     read = {
