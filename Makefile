@@ -5,11 +5,16 @@ PYTHON := .venv/bin/python
 # A process takes up to 1.5 GB.
 SIDE_BY_SIDE := -n logical --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3
+TYPES := .venv-lint/bin/mypy; types=$$?; .venv-lint/bin/python benchmarks/code_size.py --total; exit $$types
+# mypy takes a minute where no earlier run has left a cache. It runs beside the tests, and what it says comes after them.
+TESTS_AND_TYPES = @( $(TYPES) ) > build/types.txt 2>&1 & types=$$!; \
+	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m "$(1)"; tests=$$?; \
+	wait $$types; types=$$?; cat build/types.txt; [ $$tests = 0 ] && [ $$types = 0 ]
 
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak stability lint format test-matrix $(MATRIX:%=test-%) test-gui test-vr test-godot docs validate package wheels bench samples clean
+.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak stability lint style format test-matrix $(MATRIX:%=test-%) test-gui test-vr test-godot docs validate package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
@@ -37,11 +42,11 @@ help:
 demo: packages-for-demo .venv/complete
 	$(PYTHON) -m haptic_tracing demo --out out
 
-test: packages-for-test .venv/complete wheels lint
-	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m "not more"
+test: packages-for-test .venv/complete wheels style
+	$(call TESTS_AND_TYPES,not more)
 
-test-quick: packages-for-test .venv/complete wheels lint
-	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m "not slow"
+test-quick: packages-for-test .venv/complete wheels style
+	$(call TESTS_AND_TYPES,not slow)
 
 test-more: packages-for-test .venv/complete
 	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m more
@@ -60,11 +65,12 @@ soak: packages-for-test .venv/complete
 stability: packages-for-test .venv/complete
 	$(PYTHON) -m benchmarks.stability
 
-lint: .venv-lint/complete build/types/haptic_tracing
+lint: style
+	@$(TYPES)
+
+style: .venv-lint/complete build/types/haptic_tracing
 	.venv-lint/bin/ruff check .
 	.venv-lint/bin/ruff format --check .
-	.venv-lint/bin/mypy
-	-@.venv-lint/bin/python benchmarks/code_size.py --total
 
 format: .venv-lint/complete
 	.venv-lint/bin/ruff check --fix .
