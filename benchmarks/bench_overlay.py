@@ -230,9 +230,9 @@ def show(scene: bpy.types.Scene, result: FrameResult) -> None:
     """Make ``result`` the last frame that is complete, and wait until the worker has computed what
     is drawn of it."""
     own = session.of(scene)
-    own.result, own.serial = result, own.serial + 1
+    own.result = result
     own.history.feed(result)
-    own.shown = sessions.Traced(own.serial, result, read_settings(scene), own.history.all())
+    own.shown = sessions.Traced(result, read_settings(scene), own.history.all())
     for derived in tuple(own.derived):
         worker.submit(derived.follow, own).result()
 

@@ -235,7 +235,7 @@ def _play(
     seconds, worked, results = np.empty(len(numbers)), np.empty(len(numbers)), []
     for k, number in enumerate(numbers):
         if (own := session.of(scene)) is not None:
-            own.asked = True  # for samples, as meters ask, which a new scene shows
+            own.is_asked = True  # for samples, as meters ask, which a new scene shows
         begun, working = time.perf_counter(), time.process_time()
         scene.frame_set(number)
         seconds[k], worked[k] = time.perf_counter() - begun, time.process_time() - working

@@ -107,7 +107,7 @@ class HAPTIC_GT_inspection(Gizmo):
     def invoke(self, context: Any, event: Any) -> set[str]:
         own = sessions.known(context.scene)
         if own is not None:
-            own.watched = self.link.listener
+            own.watched.active = self.link.listener
         bpy.ops.haptic.select_object("EXEC_DEFAULT", True, name=self.link.first, extend=event.shift)
         bpy.ops.wm.call_panel(name="HAPTIC_PT_why")
         return {"FINISHED"}

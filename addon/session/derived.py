@@ -174,7 +174,8 @@ def _no_frame_follows(own: sessions.Session) -> bool:
     edit."""
     if is_playing():
         return False
-    rested = time.monotonic() - own.begun_at
+    begun_at = 0.0 if own.request is None else own.request.begun_at
+    rested = time.monotonic() - begun_at
     if rested < _REST:
         worker.redraw_after(_REST - rested)
         return False

@@ -5,7 +5,6 @@ Blender draws it and evaluates the next one. `result_of` waits for the trace; dr
 
 from __future__ import annotations
 
-import itertools
 import time
 from concurrent.futures import CancelledError, Future
 from dataclasses import replace
@@ -15,8 +14,7 @@ from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
 from ...core.collisions import EXACT_FRAMES
-from ...core.frozen import frozen
-from ...core.modalities.propagation import Felt, ModalityScene
+from ...core.modalities.propagation import Felt
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.render.mixdown import block_of
@@ -36,31 +34,7 @@ from ..scene_reader.reading import Reading
 from ..scene_reader.settings import read_settings
 from . import sessions, worker
 from .derived import shows_samples
-from .sessions import Session, Traced, known, problems_in
-
-
-@frozen
-class _Begun:
-    """A frame that is being traced.
-
-    Attributes:
-        serial: differs between any two frames.
-        reading: the scene in that frame.
-        modalities: its values for the other modalities.
-        errors: of reading these.
-        read_milliseconds: time of reading.
-        statistics: times of Blender's evaluation and of waiting for the frame before [ms].
-    """
-
-    serial: int
-    reading: Reading
-    modalities: tuple[ModalityScene, ...]
-    errors: tuple[str, ...]
-    read_milliseconds: float
-    statistics: dict[str, float]
-
-
-_serials = itertools.count(1)
+from .sessions import Session, Traced, TraceRequest, known
 
 
 def of(scene: Scene) -> Session:
@@ -77,8 +51,8 @@ def result_of(scene: Scene) -> FrameResult | None:
     session = known(scene)
     if session is None:
         return None
-    _finish(scene, session)
-    session.asked = True
+    _finish(session)
+    session.is_asked = True
     if session.result is not None:
         block = block_of(session.result)
         session.result = (
@@ -94,8 +68,8 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
     session = known(scene)
     if session is None:
         return ()
-    _finish(scene, session)
-    return session.problems
+    _finish(session)
+    return sessions.shown_problems(scene)
 
 
 def show(
@@ -103,12 +77,10 @@ def show(
 ) -> None:
     """Set a result from a track, with the ``samples`` (l, n) up to its end, and its ``paths``."""
     session = of(scene)
-    _finish(scene, session)
-    session.result, session.frame = result, None
+    _finish(session)
+    session.result, session.last = result, None
     session.history.take(result, samples)
-    session.serial = next(_serials)
-    heard = session.history.all()
-    session.shown = Traced(session.serial, result, read_settings(scene), heard, paths=paths)
+    session.shown = Traced(result, read_settings(scene), session.history.all(), paths=paths)
     worker.submit(_follow, session)
 
 
@@ -135,18 +107,23 @@ def clear() -> None:
 
 
 def cancel(resume: bool = False) -> None:
-    """Cancel all running traces and computations; the affected scenes restart with their next
-    frame. Thread-safe.
+    """Cancel all running traces and computations, as `give_up`. Scenes whose frames are traced
+    again have no result until then, the others none any more. Thread-safe."""
+    give_up(resume)
+    for session in sessions.every():
+        if session.is_interrupted or not resume:
+            session.begun = session.result = session.shown = session.last = None
 
-    resume: trace the same frame again as soon as nothing renders, or its result is asked for; else
-    no scene has a result any more.
+
+def give_up(resume: bool = False) -> None:
+    """Cancel all running traces and computations; the shown results remain, and the next edit or
+    frame is traced as usual. Thread-safe.
+
+    resume: trace the same frame again as soon as nothing renders, or its result is asked for.
     """
     worker.cancel()
     for session in sessions.every():
-        begun = session.begun
-        if not resume:
-            session.begun = session.result = session.shown = session.frame = None
-        if begun is not None and not _ended_well(begun):
+        if session.begun is not None and not _ended_well(session.begun):
             _interrupted(session, resume)
 
 
@@ -157,8 +134,8 @@ def _interrupted(session: Session, resume: bool) -> None:
     session.tracer = Tracer()
     session.tracer.collisions.take_over(tracer.collisions)
     session.history = History()
-    session.begun = session.result = session.frame = None
-    session.interrupted = session.job if resume else None
+    session.begun = session.result = session.last = None
+    session.is_interrupted = resume
     if resume:
         worker.call_after_render(_resume_all)
 
@@ -179,32 +156,19 @@ def _resume_all() -> None:
 
 
 def _resume(session: Session) -> None:
-    interrupted, session.interrupted = session.interrupted, None
-    if interrupted is not None:
-        begun, frame = interrupted
-        _submit(session, begun, replace(frame, continuous=False))
+    if session.is_interrupted and session.request is not None:
+        frame = replace(session.request.frame, continuous=False)
+        _submit(session, replace(session.request, frame=frame))
+    session.is_interrupted = False
 
 
-def _submit(
-    session: Session, begun: _Begun, frame: Frame, released: FrameResult | None = None
-) -> None:
+def _submit(session: Session, request: TraceRequest, released: FrameResult | None = None) -> None:
     """Queue the trace of a frame and of its derived values on the worker, which also frees the
     result ``released``."""
-    session.job = begun, frame
-    session.begun = worker.submit(_step, session, begun, frame, released)
+    session.request = request
+    session.begun = worker.submit(_step, session, request, released)
     if session.derived:
         worker.submit(_follow, session)
-
-
-def give_up(resume: bool = False) -> None:
-    """Cancel the running trace; the shown result remains, and the next edit or frame is traced as
-    usual. resume: see `cancel`."""
-    shown = [(session, session.shown) for session in sessions.every()]
-    cancel(resume=True)
-    for session, traced in shown:
-        session.shown = traced
-        if not resume:
-            session.interrupted = None
 
 
 def make_way(seconds: float) -> None:
@@ -274,8 +238,8 @@ def begin(
         evaluation: as of `SceneReader.read`.
     """
     session = of(scene)
-    session.interrupted = None
-    _finish(scene, session)
+    session.is_interrupted = False
+    _finish(session)
     # A result holds much memory, which is freed on the worker, as that takes long.
     released, session.previous = session.previous, session.result
     if session.version != revisions.authored():
@@ -285,7 +249,7 @@ def begin(
             session.tracer.collisions.forget_impacts()
             session.motion = None
     # From an exact frame on, tracing gives the same bits as from any earlier one.
-    exact = scene.frame_current % EXACT_FRAMES == 0 or (is_stepped(scene) and session.frame is None)
+    exact = scene.frame_current % EXACT_FRAMES == 0 or (is_stepped(scene) and session.last is None)
     started = time.perf_counter()
     reading = (
         None
@@ -293,39 +257,36 @@ def begin(
         else session.reader.read(scene, depsgraph, exact, evaluation)
     )
     if reading is None or session.reader.is_empty:
-        session.reading = None
-        session.result = None
-        session.problems = ()
-        session.frame = None
-        session.shown = None
+        session.request = session.result = session.last = session.shown = None
         session.failure = ()
         return
     others, errors = read_modalities(scene, reading.objects)
-    session.reading = reading
     # Other modalities need contacts without vibration, too.
     session.tracer.collisions.lazy = live and not others
     session.tracer.collisions.settings = reading.contact_settings
-    step = scene.render.fps_base / scene.render.fps
+    duration = frame_seconds(scene)
     whole = scene.frame_subframe == 0
-    follows = session.frame is not None and scene.frame_current == session.frame + 1
-    continuous = whole and follows and step == session.frame_seconds
+    continuous = whole and session.last == (scene.frame_current - 1, duration)
     if continuous and session.motion is None:
         session.motion = motion_of(scene)
     _restore_impacts(scene, session, reading, baked_impacts)
     restore = whole and not is_stepped(scene) and not is_playing()  # the timeline is paused
-    session.frame = scene.frame_current if whole else None
-    session.frame_seconds = step
-    session.serial = next(_serials)
-    read_milliseconds = 1000 * (time.perf_counter() - started)
-    times = {
-        "blender_milliseconds": 1000 * sessions.evaluation_seconds(),
-        "waited_milliseconds": session.waited_milliseconds,
-    }
-    begun = _Begun(session.serial, reading, others, errors, read_milliseconds, times)
-    session.begun_at = time.monotonic()
-    heard = not (live and continuous) or plays or session.asked or shows_samples(session)
-    session.asked = not continuous
-    _submit(session, begun, frame_of(scene, reading, continuous, restore, exact, heard), released)
+    session.last = (scene.frame_current, duration) if whole else None
+    heard = not (live and continuous) or plays or session.is_asked or shows_samples(session)
+    session.is_asked = not continuous
+    request = TraceRequest(
+        frame_of(scene, reading, continuous, restore, exact, heard),
+        reading,
+        others,
+        errors,
+        1000 * (time.perf_counter() - started),
+        {
+            "blender_milliseconds": 1000 * sessions.evaluation_seconds(),
+            "waited_milliseconds": session.waited_milliseconds,
+        },
+        time.monotonic(),
+    )
+    _submit(session, request, released)
 
 
 def keep_impacts(scene: Scene) -> None:
@@ -334,15 +295,10 @@ def keep_impacts(scene: Scene) -> None:
     session = known(scene)
     if session is None or is_busy(scene, worker.MOMENT):
         return
-    _finish(scene, session)
-    kept = (
-        None
-        if session.reading is None
-        else session.tracer.collisions.impacts_of(scene.frame_current)
-    )
-    text = ""
-    if session.reading is not None and kept is not None:
-        text = text_of_impacts(scene.frame_current, kept, motion_of(scene))
+    _finish(session)
+    impacts_of = session.tracer.collisions.impacts_of
+    kept = None if session.request is None else impacts_of(scene.frame_current)
+    text = "" if kept is None else text_of_impacts(scene.frame_current, kept, motion_of(scene))
     if scene.haptics.kept_impacts != text:
         scene.haptics.kept_impacts = text
 
@@ -350,8 +306,7 @@ def keep_impacts(scene: Scene) -> None:
 def _restore_impacts(scene: Scene, session: Session, reading: Reading, baked: str) -> None:
     """Restore the impacts of a frame that were ``baked``, or, at the first trace of a scene, those
     that were stored when it was saved."""
-    text = baked or ("" if session.is_restored else scene.haptics.kept_impacts)
-    session.is_restored = True
+    text = baked or (scene.haptics.kept_impacts if session.request is None else "")
     if not text or session.tracer.collisions.impacts_of(scene.frame_current) is not None:
         return
     motion = session.motion or motion_of(scene)
@@ -363,43 +318,43 @@ def _restore_impacts(scene: Scene, session: Session, reading: Reading, baked: st
         session.motion = motion
 
 
-def _step(session: Session, begun: _Begun, frame: Frame, released: FrameResult | None) -> Traced:
-    """Trace a frame; called on the worker, where ``released`` is freed with the job. Raises
-    ValueError, which names the object, if a designer's expression gives no valid gain."""
+def _step(session: Session, request: TraceRequest, released: FrameResult | None) -> Traced:
+    """Trace a frame; called on the worker, which then frees ``released``. Raises ValueError,
+    which names the object, if a designer's expression gives no valid gain."""
     try:
-        try:
-            result = session.tracer.step(frame)
-        except ValueError as error:
-            session.tracer.reset()
-            session.failure = (Problem("", str(error)), *begun.reading.problems)
-            raise
-        if frame.heard:
+        result = session.tracer.step(request.frame)
+        samples = np.zeros((len(result.listeners), 0))
+        if request.frame.heard:
             session.history.feed(result)
-        felt, errors = _felt(begun, result)
+            samples = session.history.all()
+        felt, errors = _felt(request, result)
         result = replace(
             result,
-            milliseconds={"read": begun.read_milliseconds, **result.milliseconds},
-            statistics={**result.statistics, **begun.statistics},
+            milliseconds={"read": request.read_milliseconds, **result.milliseconds},
+            statistics={**result.statistics, **request.statistics},
         )
-        samples = session.history.all() if frame.heard else np.zeros((len(result.listeners), 0))
-        session.shown = Traced(
-            begun.serial, result, frame.settings, samples, begun.reading, felt, errors
-        )
-        return session.shown
-    except BaseException:
+        traced = Traced(result, request.frame.settings, samples, request.reading, felt, errors)
+    except Exception as error:
+        if isinstance(error, ValueError):
+            session.tracer.reset()
+            session.failure = (Problem("", str(error)), *request.reading.problems)
         session.shown = None
         raise
+    session.shown = traced
+    return traced
 
 
-def _felt(begun: _Begun, result: FrameResult) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
+def _felt(request: TraceRequest, result: FrameResult) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
     """The values of the other modalities at the listeners, through the contacts of the traced
     frame; and all errors."""
     felt = []
-    errors = [*begun.errors]
-    for own in begun.modalities:
+    errors = [*request.errors]
+    for own in request.modalities:
         try:
             felt.append(
-                own.felt(result.objects, result.contacts, result.listeners, begun.reading.settings)
+                own.felt(
+                    result.objects, result.contacts, result.listeners, request.reading.settings
+                )
             )
         except ValueError as error:
             errors.append(f"{own.modality.title}: {error}")
@@ -412,7 +367,7 @@ def _follow(session: Session) -> None:
         derived.follow(session)
 
 
-def _finish(scene: Scene, session: Session) -> None:
+def _finish(session: Session) -> None:
     """Wait for the running trace, and store its result."""
     _resume(session)
     begun, session.begun = session.begun, None
@@ -421,16 +376,13 @@ def _finish(scene: Scene, session: Session) -> None:
     session.result = None
     started = time.perf_counter()
     try:
-        traced = worker.result_of(begun)
+        session.result = worker.result_of(begun).result
     except ValueError:
-        session.problems = session.failure
-        return
+        return  # see `Session.failure`
     except (worker.Cancelled, CancelledError):  # by a render, on its own thread
         _interrupted(session, resume=True)
         return
     session.waited_milliseconds = 1000 * (time.perf_counter() - started)
-    session.result, session.shown = traced.result, traced
-    session.problems = problems_in(traced)
 
 
 def frame_of(

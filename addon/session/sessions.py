@@ -11,6 +11,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -24,11 +25,11 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from ...core.arrays import FloatArray
-    from ...core.modalities.propagation import Felt
+    from ...core.modalities.propagation import Felt, ModalityScene
     from ...core.render.frame_result import FrameResult
     from ...core.render.history import History
     from ...core.scene.values import Settings
-    from ...core.tracer import Tracer
+    from ...core.tracer import Frame, Tracer
     from ..scene_reader.reader import SceneReader
     from ..scene_reader.reading import Reading
 
@@ -38,13 +39,12 @@ class Traced:
     """A complete frame, traced or read from a track, from which panels and viewports derive
     everything they show.
 
-    ``serial`` differs between any two frames. ``samples`` (l, n): the last samples of each
-    listener, up to a second. ``reading``: the input of the trace, None for a track. ``felt``:
-    results of the other modalities. ``errors``: messages of the core. ``paths``: the connections
-    kept in a track, see `HapticTrack`.
+    ``samples`` (l, n): the last samples of each listener, up to a second. ``reading``: the input of
+    the trace, None for a track. ``felt``: results of the other modalities. ``errors``: messages of
+    the core. ``paths``: the connections kept in a track, see `HapticTrack`. ``serial`` differs
+    between any two frames.
     """
 
-    serial: int
     result: FrameResult
     settings: Settings
     samples: FloatArray
@@ -52,6 +52,39 @@ class Traced:
     felt: tuple[Felt, ...] = ()
     errors: tuple[str, ...] = ()
     paths: FloatArray | None = None
+    serial: int = field(init=False, default_factory=count(1).__next__)
+
+
+@frozen
+class TraceRequest:
+    """What the worker is asked to trace.
+
+    Attributes:
+        frame: input of the tracer.
+        reading: the scene in that frame.
+        modalities: its values for the other modalities.
+        errors: of reading these.
+        read_milliseconds: time of reading.
+        statistics: times of Blender's evaluation and of waiting for the frame before [ms].
+        begun_at: time.monotonic() when it was begun.
+    """
+
+    frame: Frame
+    reading: Reading
+    modalities: tuple[ModalityScene, ...]
+    errors: tuple[str, ...]
+    read_milliseconds: float
+    statistics: dict[str, float]
+    begun_at: float
+
+
+@dataclass(slots=True)
+class Watched:
+    """The listener that was the ``active`` object last, and the one that had the highest level when
+    something was felt last; "" before."""
+
+    active: str = ""
+    strongest: str = ""
 
 
 @dataclass(slots=True)
@@ -62,34 +95,48 @@ class Session:
     whoever needs its result. Until then it is ``begun``; afterwards ``result`` is its result, and
     ``previous`` the one before. ``shown``, the last complete frame, is set by the worker for draw
     callbacks.
+
+    Attributes:
+        reader, tracer, history: its stages.
+        request: that was begun last; None before, and while there is nothing to trace.
+        begun: its trace, until it is finished.
+        is_interrupted: the trace was cancelled and is to be repeated.
+        last: number and duration [s] of the frame begun last, which the next one may follow; None
+            between two frames.
+        result, previous, shown: see above.
+        failure: the cause and other problems of the last frame that could not be traced.
+        waited_milliseconds: for the trace of the last frame that was waited for.
+        is_asked: a script wanted the last result, or it followed no other: samples are rendered.
+        version: revision of the authored values that were read last.
+        motion: checksum of the causes of the impacts that the tracer stores.
+        derived: see `derived.Derived`.
+        watched: which listener is.
+        draw_milliseconds: of the last redraw of a viewport.
     """
 
     reader: SceneReader
     tracer: Tracer
     history: History
-    reading: Reading | None = None
+    request: TraceRequest | None = None
+    begun: Future[Traced] | None = None
+    is_interrupted: bool = False
+    last: tuple[int, float] | None = None
     result: FrameResult | None = None
     previous: FrameResult | None = None
-    problems: tuple[Problem, ...] = ()
-    waited_milliseconds: float = 0.0  # for the trace of the last frame that was waited for
-    frame: int | None = None  # number of the frame that was begun last, None between two frames
-    frame_seconds: float = 0.0  # duration of a frame then
-    version: int = -1  # revision of the authored values that were read last
-    motion: str | None = None  # checksum of the causes of the impacts that the tracer stores
-    is_restored: bool = False  # impacts stored in the file were looked for
-    begun: Future[Traced] | None = None
-    job: Any = None  # input of the trace that was begun last
-    interrupted: Any = None  # input of a trace that was cancelled and is to be repeated
-    asked: bool = False  # a script wanted the last result, or it followed no other: render samples
-    serial: int = 0  # of the frame that was begun last
-    begun_at: float = 0.0  # time.monotonic() of that
     shown: Traced | None = None
-    # The cause, then other problems, where the last frame could not be traced.
     failure: tuple[Problem, ...] = ()
-    derived: dict[Any, Any] = field(default_factory=dict)  # see `derived.Derived`
-    watched: str = ""  # the listener that was the active object last
-    strongest: str = ""  # the listener with the highest level when something was felt last
-    draw_milliseconds: float = 0.0  # of the last redraw of a viewport
+    waited_milliseconds: float = 0.0
+    is_asked: bool = False
+    version: int = -1
+    motion: str | None = None
+    derived: dict[Any, Any] = field(default_factory=dict)
+    watched: Watched = field(default_factory=Watched)
+    draw_milliseconds: float = 0.0
+
+    @property
+    def reading(self) -> Reading | None:
+        """The scene in the frame that was begun last."""
+        return None if self.request is None else self.request.reading
 
 
 @dataclass(slots=True)
@@ -161,17 +208,15 @@ def felt_in(scene: Scene) -> tuple[Felt, ...]:
 def is_behind(scene: Scene) -> bool:
     """True while a newer frame than the one `shown` is being traced."""
     session = known(scene)
-    return (
-        session is not None
-        and session.begun is not None
-        and (session.shown is None or session.shown.serial != session.serial)
-    )
+    return session is not None and session.begun is not None and not session.begun.done()
 
 
 def seconds_behind(scene: Scene) -> float:
     """For how long a newer frame than the one shown has been traced; 0 if there is none."""
     session = known(scene)
-    return time.monotonic() - session.begun_at if session is not None and is_behind(scene) else 0.0
+    if session is None or session.request is None or not is_behind(scene):
+        return 0.0
+    return time.monotonic() - session.request.begun_at
 
 
 def shown_problems(scene: Scene) -> tuple[Problem, ...]:

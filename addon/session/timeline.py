@@ -52,17 +52,17 @@ def results(scene: Scene, start: int, end: int) -> Generator[FrameResult, None, 
     with closing(_frames(scene, start, end)) as frames:
         for frame in frames:
             if frame > start:
-                result = _checked(frame - 1, own.previous, own.problems, result)
+                result = _checked(frame - 1, own.previous, own.failure, result)
                 yield _from(start, result)
             if frame == end:
-                yield _from(start, _checked(frame, session.result_of(scene), own.problems, result))
+                yield _from(start, _checked(frame, session.result_of(scene), own.failure, result))
 
 
 def steps(
     scene: Scene, start: int, end: int, listeners_may_change: bool = False, looks_back: bool = True
 ) -> Generator[TracedFrame, None, None]:
-    """Trace the frames ``start`` to ``end`` in order. As each is yielded, the next one is already
-    the scene's current frame; the scene's frame is not restored.
+    """Trace the frames ``start`` to ``end`` in order. Each is the scene's current frame as it is
+    yielded; at the end, the scene's frame is restored.
 
     Args:
         scene: to trace.
@@ -72,11 +72,12 @@ def steps(
         looks_back: earlier frames are traced that triggers, sliding and rolling depend on.
     """
     result: FrameResult | None = None
+    own = session.of(scene)
     began = time.perf_counter()
     with closing(_frames(scene, start, end, looks_back)) as frames:
         for frame in frames:
             before = None if listeners_may_change else result
-            result = _checked(frame, session.result_of(scene), session.problems_of(scene), before)
+            result = _checked(frame, session.result_of(scene), own.failure, before)
             total = 1000 * (time.perf_counter() - began)
             traced = sum(result.milliseconds.values())
             yield TracedFrame(_from(start, result), total - traced, traced)
@@ -93,7 +94,7 @@ def _frames(
         for frame in range(simulation_start(scene, first), first):
             with suspended():
                 scene.frame_set(frame)
-        session.of(scene).frame = None  # independent of earlier traces
+        session.of(scene).last = None  # independent of earlier traces
         for frame in range(first, end + 1):
             with stepped(scene):
                 scene.frame_set(frame)

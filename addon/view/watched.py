@@ -30,13 +30,13 @@ def watched(scene: Scene) -> str:
     names = [listener.name for listener in traced.result.listeners]
     active = active_name()
     if active in names:
-        own.watched = active
-    if own.watched in names:
-        return own.watched
+        own.watched.active = active
+    if own.watched.active in names:
+        return own.watched.active
     levels = [level for level in levels_of(scene) if level.listener in names]
     if any(not level.is_silent for level in levels):
-        own.strongest = max(levels, key=lambda level: level.rms).listener
-    return own.strongest if own.strongest in names else next(iter(names), "")
+        own.watched.strongest = max(levels, key=lambda level: level.rms).listener
+    return own.watched.strongest if own.watched.strongest in names else next(iter(names), "")
 
 
 def active_name() -> str:

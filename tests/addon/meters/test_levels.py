@@ -43,7 +43,7 @@ RATE = 8000.0
 def traced(result, history):
     """What the session keeps of a frame, traced rather than read from a track."""
     reading = Reading((), (), np.zeros((0, 4, 4)), (), (), Settings(), ContactSettings(), {}, ())
-    return Traced(1, result, Settings(), history.all(), reading)
+    return Traced(result, Settings(), history.all(), reading)
 
 
 def played(frames, amplitude=0.5, frequency=100.0, distance=1.0, settings=None, **listener):
@@ -179,7 +179,7 @@ def test_a_still_shows_an_impact_of_its_own_frame():
 
 def test_a_frame_of_a_track_reads_what_was_recorded():
     result, history = played(3)
-    recorded = Traced(1, result, Settings(), history.all())
+    recorded = Traced(result, Settings(), history.all())
     assert (
         shown_levels(recorded, False)
         == shown_levels(recorded, True)

@@ -123,9 +123,7 @@ def shown(scene: Any, bridge: FrameResult) -> Callable[[], FrameResult]:
     def show() -> FrameResult:
         own = session.of(scene)
         own.result = bridge
-        own.shown = sessions.Traced(
-            1, bridge, BRIDGE.settings, np.zeros((len(bridge.listeners), 0))
-        )
+        own.shown = sessions.Traced(bridge, BRIDGE.settings, np.zeros((len(bridge.listeners), 0)))
         return bridge
 
     return show

@@ -87,7 +87,7 @@ def test_lines_are_coloured_by_the_band_of_the_tone(frequency):
 def test_losses_of_a_path_are_those_of_the_band_of_the_tone_and_other_paths_add_what_other_bands_pass():
     result = rumbling_bridge(100.0)
     path = listener_path(
-        Traced(1, result, BRIDGE.settings, np.zeros((len(result.listeners), 0))),
+        Traced(result, BRIDGE.settings, np.zeros((len(result.listeners), 0))),
         ("walker", "", False),
     )
     assert isinstance(path, ListenerPath)

@@ -35,10 +35,7 @@ def show(scene, settle, monkeypatch):
 
     def shown(result, settings=BRIDGE.settings, options=None):
         own = session.of(scene)
-        own.serial += 1
-        own.shown = sessions.Traced(
-            own.serial, result, settings, np.zeros((len(result.listeners), 0))
-        )
+        own.shown = sessions.Traced(result, settings, np.zeros((len(result.listeners), 0)))
         monkeypatch.setattr(draw, "options_of", lambda *_: options or Options())
         return settle(lambda: draw.drawing_of(scene))
 

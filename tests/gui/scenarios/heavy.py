@@ -44,8 +44,8 @@ def steps(window):
     def is_cancelled():
         """Whether the last frame that was begun has been given up: it was never shown."""
         session = sessions.known(scene)
-        shown = 0 if session.shown is None else session.shown.serial
-        return session.begun is None and shown != session.serial
+        shown = None if session.shown is None else session.shown.reading
+        return session.begun is None and shown is not session.reading
 
     def while_traced(actions):
         """Edits again where the trace has ended before it could be cancelled."""
