@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..changes.events import disabled
 from ..session.derived import Background
 from .hud import TEXT_SIZE, HudBuilder
-from .render_data import Symbol
+from .painting import paint
 
 Pixels = NDArray[np.float32]
 Colour = tuple[float, float, float]
@@ -68,33 +68,7 @@ class Canvas(HudBuilder):
     def painted(self) -> Pixels:
         """The plates and lines as pixels."""
         pixels = np.zeros((SIZE, SIZE, 4), dtype=np.float32)
-        lines = self.build().lines
-        for (start, end), colour, width, shape in zip(
-            lines.position[:, :, :2], lines.colour[:, 0], lines.width, lines.shape, strict=True
-        ):
-            low = np.minimum(start, end)
-            high = np.maximum(start, end)
-            (left, bottom), (right, top) = (
-                np.clip(corner, 0, SIZE).astype(int)
-                for corner in (low - width, np.ceil(high + width) + 1)
-            )
-            y, x = np.mgrid[bottom:top, left:right] + 0.5
-            if shape == Symbol.PLATE:
-                away = np.maximum(
-                    np.abs(x - (low[0] + high[0]) / 2) - (high[0] - low[0]) / 2,
-                    np.abs(y - (low[1] + high[1]) / 2) - (high[1] - low[1]) / 2,
-                )
-            else:
-                way = end - start
-                square = max(float(way @ way), 1e-12)
-                along = np.clip(((x - start[0]) * way[0] + (y - start[1]) * way[1]) / square, 0, 1)
-                away = (
-                    np.hypot(x - start[0] - along * way[0], y - start[1] - along * way[1])
-                    - width / 2
-                )
-            cover = (colour[3] * np.clip(0.5 - away, 0, 1))[..., None].astype(np.float32)
-            part = pixels[bottom:top, left:right]
-            part += cover * (np.array([*colour[:3], 1.0], dtype=np.float32) - part)
+        paint(pixels, self.build().lines)
         return pixels
 
 

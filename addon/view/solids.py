@@ -3,8 +3,9 @@ flat shapes that face the viewer, as on screen. Independent of Blender."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def solid_graph(data: RenderData, unit: float, facing: FloatArray) -> Solid:
             ),
             tubes(tree, unit),
             tubes(data.paths, unit),
-            *(_symbols(data.points, shape, unit, facing) for shape in _OUTLINES),
+            *(_symbols(data.points, shape, unit, facing) for shape in OUTLINES),
         ]
     )
 
@@ -125,7 +126,7 @@ def _symbols(points: Lines, shape: Symbol, unit: float, facing: FloatArray) -> S
     chosen = points.shape == shape
     position = points.position[chosen, 0].astype(np.float64)
     size = points.width[chosen] * unit
-    corners = _OUTLINES[shape] @ facing[:2]
+    corners = OUTLINES[shape].ring() @ facing[:2]
     parts = []
     for number, (inset, colour, _) in enumerate(
         layers(shape, points.colour[chosen, 0, :3].astype(np.float64))
@@ -158,9 +159,10 @@ def flat(items: Hud, scale: float) -> Solid:
     for (start, end), colour, width, shape in zip(
         lines.position[:, :, :2], lines.colour, lines.width * scale, lines.shape, strict=True
     ):
-        if shape in _OUTLINES:
+        if shape in OUTLINES:
             for inset, layer, opacity in layers(Symbol(int(shape)), colour[0, :3]):
-                outline = start + (width / 2 - inset * scale) * _OUTLINES[Symbol(int(shape))]
+                ring = OUTLINES[Symbol(int(shape))].ring()
+                outline = start + (width / 2 - inset * scale) * ring
                 shapes.append((outline, np.broadcast_to([*layer, opacity], (len(outline), 4))))
             continue
         outline = (
@@ -183,19 +185,34 @@ def layers(shape: Symbol, colour: FloatArray) -> list[tuple[float, FloatArray, f
     ]
 
 
-def _ring(count: int, *radii: float) -> FloatArray:
-    """Points (count, 2) on a circle, their distances alternating between ``radii``."""
-    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
-    return np.resize(np.array(radii), count)[:, None] * np.column_stack(
-        [np.cos(angle), np.sin(angle)]
-    )
+class Outline(NamedTuple):
+    """The outline of a symbol as in ``quads.frag.glsl``: its ``radius`` at angles [rad], that of
+    the symbol being 1, and the number of ``corners`` of a mesh."""
+
+    corners: int
+    radius: Callable[[FloatArray], FloatArray]
+
+    def ring(self) -> FloatArray:
+        """The corners (n, 2), counterclockwise."""
+        angle = np.linspace(0, 2 * np.pi, self.corners, endpoint=False)
+        return self.radius(angle)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-_OUTLINES = {
-    Symbol.CONTACT: _ring(16, 1.0),
-    Symbol.LISTENER: _ring(4, 1.0),
-    Symbol.SOURCE: _ring(48, 1.0),
-    Symbol.IMPACT: _ring(16, 0.55, 1.0),
+def _diamond(angle: FloatArray) -> FloatArray:
+    """A square on its corner."""
+    return np.asarray(0.8711 / (np.abs(np.cos(angle)) + np.abs(np.sin(angle))))
+
+
+def _burst(angle: FloatArray) -> FloatArray:
+    """Eight rays."""
+    return np.asarray(0.55 + 0.9 * np.abs(angle * 8 / (2 * np.pi) % 1 - 0.5))
+
+
+OUTLINES = {
+    Symbol.CONTACT: Outline(16, np.ones_like),
+    Symbol.LISTENER: Outline(4, _diamond),
+    Symbol.SOURCE: Outline(48, np.ones_like),
+    Symbol.IMPACT: Outline(48, _burst),
 }
 """From those that lie lowest on."""
 

@@ -20,7 +20,6 @@ from haptic_tracing.addon.view.render_data import (
     render_data,
 )
 from haptic_tracing.addon.view.solids import UPRIGHT, flat, solid_graph, tubes
-from haptic_tracing.pictures import raster
 from mathutils import Vector
 
 from .conftest import BRIDGE, random_scene, traced
@@ -202,9 +201,9 @@ def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, cam
 
 
 def test_every_symbol_has_its_layers_its_outline_and_its_distance():
-    """What the shader, the meshes and the painter need of each symbol."""
+    """What the shader, and the meshes and the painter need of each symbol."""
     symbols = set(Symbol) - {Symbol.LINE, Symbol.PLATE}
-    for table in (LAYERS, POINT_SIZE, solids._OUTLINES, shader._DISTANCES, raster._DISTANCES):
+    for table in (LAYERS, POINT_SIZE, solids.OUTLINES, shader._DISTANCES):
         assert table.keys() == symbols
     for rows in LAYERS.values():
         insets = [inset for inset, _, _ in rows]
