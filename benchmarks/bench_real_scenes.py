@@ -95,9 +95,10 @@ def _file_size(scene: object) -> int:
     import bpy
 
     with tempfile.TemporaryDirectory() as folder:
-        bpy.context.scene.frame_end = 24
         path = Path(folder) / "scene.json"
-        bpy.ops.export_scene.haptic_scene(filepath=str(path), frames="RANGE")
+        bpy.ops.export_scene.haptic_scene(
+            filepath=str(path), frames="RANGE", frame_start=1, frame_end=24
+        )
         return path.stat().st_size
 
 

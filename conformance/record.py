@@ -18,6 +18,7 @@ import haptic_tracing
 import numpy as np
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.io.frame_scene import written_frame
+from haptic_tracing.addon.io.written_objects import WrittenObjects
 from haptic_tracing.addon.session import session, timeline
 from haptic_tracing.addon.view.levels import shown_levels
 from haptic_tracing.core.formats.scene.scene_json import scene_to_dict
@@ -49,8 +50,8 @@ class _Pen:
     """Writes what has changed since the frame before."""
 
     def __init__(self, result, reading, scene):
-
-        written = written_frame(result, reading, scene)
+        self._objects = WrittenObjects()
+        written = written_frame(result, reading, scene, self._objects.of(reading))
         names = {item.name for item in reading.sources}
         self._scene = scene_to_dict(
             replace(written, sources=tuple(s for s in written.sources if s.name in names))
@@ -79,7 +80,7 @@ class _Pen:
         self._poses = dict(
             zip((item.name for item in reading.objects), reading.transforms, strict=True)
         )
-        for item in reading.posed_objects():
+        for item in self._objects.of(reading):
             if not np.array_equal(self._poses[item.name], before.get(item.name)):
                 pose = [*item.pose.position, *item.pose.rotation]
                 step.setdefault("poses", {})[item.name] = pose

@@ -22,6 +22,7 @@ from ...core.scene.values import HapticScene
 from ..blender.words import TranslatedError
 from ..session import session, timeline
 from .frame_scene import within, written_export, written_frame
+from .written_objects import WrittenObjects
 
 
 @dataclass
@@ -50,7 +51,7 @@ class Capture:
     def __post_init__(self, recorded: bool, felt: bool) -> None:
         rate = self.scene.render.fps / self.scene.render.fps_base
         self._recorder = SceneRecorder(rate, self.scene.frame_start)
-        self._recorded = recorded
+        self._recorded, self._objects = recorded, WrittenObjects()
         self._tracks = TrackRecorder() if felt else None
         self._first: Export | None = None
 
@@ -121,7 +122,8 @@ class Capture:
     def _record(self, result: FrameResult) -> None:
         reading = session.of(self.scene).reading
         assert reading is not None  # the frame was traced
-        frame = written_frame(result, reading, self.scene)
+        objects = self._objects.of(reading)
+        frame = written_frame(result, reading, self.scene, objects)
         frame = frame if self.names is None else within(frame, self.names)
         if self._first is None:
             self._first = (

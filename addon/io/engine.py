@@ -22,6 +22,7 @@ from ..changes.suspension import suspended
 from ..session import session, timeline
 from . import gltf
 from .frame_scene import written_export, written_frame
+from .written_objects import WrittenObjects
 
 ENDINGS = (".glb", ".json", ".pack.json")
 """Endings of the files, which have one name."""
@@ -52,7 +53,9 @@ class EngineExport:
                 if self._first is None:
                     reading = session.of(self.scene).reading
                     assert reading is not None  # the frame was traced
-                    self._first = _authored(written_frame(step.result, reading, self.scene))
+                    objects = WrittenObjects().of(reading)
+                    written = written_frame(step.result, reading, self.scene, objects)
+                    self._first = _authored(written)
                 if self._pack is not None:
                     self._pack.add(step.result)
                 yield step.result.number

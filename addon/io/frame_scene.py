@@ -29,13 +29,14 @@ from ...core.scene.values import (
     TriggerKind,
 )
 from ..blender.single_precision import shortest
-from ..scene_reader.imported import FileContacts, file_contacts, stored_extras, stored_item
+from ..scene_reader.imported import FileContacts, file_contacts, stored_extras
 from ..scene_reader.modalities import read_modality
 from ..scene_reader.problem import why_untraced
 from ..scene_reader.reading import Reading
 from ..session import session
 from .devices import is_muted, written_devices
 from .materials import written_materials
+from .written_objects import WrittenObjects
 
 EXTRAS = "blender"
 """Key of the scene's extras that hold the frame of Blender's timeline."""
@@ -79,22 +80,24 @@ def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scen
     """The haptic scene of a traced frame of ``scene`` and the reading that it was traced from.
     Lists are ordered by name."""
     return replace(
-        written_frame(result, reading, scene),
+        written_frame(result, reading, scene, WrittenObjects().of(reading)),
         contacts=_contacts(result, file_contacts(scene.haptics.imported_contacts)),
     )
 
 
-def written_frame(result: FrameResult, reading: Reading, scene: bpy.types.Scene) -> HapticScene:
-    """`scene_of_result` without contacts."""
+def written_frame(
+    result: FrameResult,
+    reading: Reading,
+    scene: bpy.types.Scene,
+    objects: tuple[HapticObject, ...],
+) -> HapticScene:
+    """`scene_of_result` without contacts, with these ``objects`` of the frame."""
     found = {obj.name_full: obj for obj in bpy.data.objects}
     shots = {shot.name for shot in result.shots}
     sources = [item for item in result.sources if item.name not in shots]
     sources += [item for item in reading.sources if item.triggers is not None]
     return HapticScene(
-        objects=_by_name(
-            _object(item, found.get(item.name), item.name in reading.settled)
-            for item in reading.posed_objects()
-        ),
+        objects=_by_name(objects),
         sources=_by_name(map(_source, sources)),
         listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
         settings=reading.settings,
@@ -179,14 +182,6 @@ def _triggered_within(source: Source, objects: Collection[str]) -> Source:
 
 def _by_name(items: Any) -> tuple[Any, ...]:
     return tuple(sorted(items, key=lambda item: item.name))
-
-
-def _object(item: HapticObject, obj: Object | None, settled: bool) -> HapticObject:
-    return (
-        replace(item, pose=stored_item(obj.haptics.imported, "object")["pose"])
-        if obj is not None and settled
-        else item
-    )
 
 
 def _source(item: Source) -> Source:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field, replace
-
-import numpy as np
+from dataclasses import field
 
 from ...core.arrays import FloatArray
 from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.settings import Body, ContactSettings
 from ...core.contacts.surface_shape import SurfaceShape
 from ...core.frozen import frozen
-from ...core.scene.values import HapticObject, Listener, Pose, Settings, Source
+from ...core.scene.values import HapticObject, Listener, Settings, Source
 from .problem import Problem
 
 
@@ -47,27 +45,3 @@ class Reading:
     hulls: Mapping[str, SurfaceShape] = field(default_factory=dict)
     moving_instances: tuple[int, float] | None = None
     rebuilt: Mapping[str, float] = field(default_factory=dict)
-
-    def posed_objects(self) -> tuple[HapticObject, ...]:
-        """The objects with the shape and pose that they have in this frame."""
-        return tuple(
-            replace(item, shape=body.shape, pose=_pose_of(transform))
-            for item, body, transform in zip(
-                self.objects, self.bodies, self.transforms, strict=True
-            )
-        )
-
-
-def _pose_of(transform: FloatArray) -> Pose:
-    """The pose of a rigid transform (4, 4), in double precision: of the products of the
-    quaternion's components, the row with the largest square."""
-    turn = transform[:3, :3]
-    trace = np.trace(transform[:3, :3])
-    products = np.empty((4, 4))
-    products[0, 0] = 1 + trace
-    products[0, 1:] = products[1:, 0] = (turn.T - turn)[(1, 2, 0), (2, 0, 1)]
-    products[1:, 1:] = turn + turn.T + (1 - trace) * np.eye(3)
-    w, x, y, z = (row := products[products.diagonal().argmax()]) / np.copysign(
-        np.linalg.norm(row), row[0]
-    )
-    return Pose(tuple(transform[:3, 3].tolist()), (w, x, y, z))

@@ -42,6 +42,7 @@ digits, also where waves spread from a radius of millimetres on."""
 
 
 PoseRow = tuple[float, float, float, float, float, float, float]
+PosedObject = tuple[HapticObject, PoseRow | None]
 
 STILL_RATE = 30
 """Frame rate at which a scene without frames is traced."""
@@ -346,7 +347,7 @@ class SceneRecorder:
 
     def __init__(self, frame_rate: float, frame_start: int) -> None:
         self._rate, self._start = frame_rate, frame_start
-        self._objects: dict[str, tuple[HapticObject, PoseRow | None]] = {}
+        self._objects: dict[str, PosedObject] = {}
         self._sources: dict[str, Source] = {}
         self._listeners: dict[str, Listener] = {}
         self._contacts: dict[Pair, bytes] = {}
@@ -468,10 +469,7 @@ class SceneRecorder:
     ]:
         """Poses, (kappa, rho) and functions of the objects that existed before."""
         before = self._objects
-        self._objects = {
-            item.name: (item, None if item.pose is None else _pose_row(item.pose))
-            for item in objects
-        }
+        self._objects = {item.name: _posed(item, before.get(item.name)) for item in objects}
         rows = _changed(self._objects, before, lambda known: known[1])
         poses = Poses.of({name: row for name, row in rows.items() if row is not None})
         properties = _changed(self._objects, before, lambda known: (known[0].kappa, known[0].rho))
@@ -526,8 +524,19 @@ def _changed(
     now: Mapping[str, Item], before: Mapping[str, Item], value: Callable[[Item], Value]
 ) -> dict[str, Value]:
     """The changed values of items that existed before, by name."""
-    values = {name: value(item) for name, item in now.items() if name in before}
-    return {name: known for name, known in values.items() if known != value(before[name])}
+    changed = {}
+    for name, item in now.items():
+        earlier = before.get(name, item)
+        if earlier is not item and (known := value(item)) != value(earlier):
+            changed[name] = known
+    return changed
+
+
+def _posed(item: HapticObject, before: PosedObject | None) -> PosedObject:
+    """An object and its rounded pose; ``before`` if that is of the same object."""
+    if before is not None and before[0] is item:
+        return before
+    return item, None if item.pose is None else _pose_row(item.pose)
 
 
 def _placed(item: Listener) -> Listener:

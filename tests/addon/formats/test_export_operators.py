@@ -13,8 +13,11 @@ from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.formats.io.catalogue import named
+from haptic_tracing.core.formats.scene.recording import states
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
+from mathutils import Quaternion
+from scene_files import exported, imported
 
 
 @pytest.fixture
@@ -63,6 +66,31 @@ def test_a_range_traced_again_by_the_core_gives_the_same_samples(shaken, tmp_pat
     np.testing.assert_allclose(export.tracks.samples, samples, atol=1e-5)
     assert np.abs(export.tracks.samples).max() > 0.01
     assert bpy.context.scene.frame_current == 1
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["made here", "imported"])
+def test_recorded_poses_are_those_of_blender(shaken, tmp_path, again):
+    """Of an object that moves, turns over, rests and moves again, beside others that rest."""
+    path = tmp_path / "range.json"
+    if again:
+        exported(tmp_path / "still.json")
+        imported(tmp_path / "still.json")
+    scene = bpy.context.scene
+    crate = bpy.data.objects["crate"]
+    for frame, turn, x in ((3, 0.0, -2.0), (6, 3.0, -1.5), (9, 3.0, -1.5), (12, 6.0, -1.0)):
+        crate.rotation_euler, crate.location.x = (turn, turn / 3, 0), x
+        crate.keyframe_insert("rotation_euler", frame=frame)
+        crate.keyframe_insert("location", frame=frame)
+    exported(path, frames="RANGE", frame_start=1, frame_end=13)
+    export = read_export(path)
+    for number, written in states(export.scene, export.recording):
+        scene.frame_set(number)
+        for item in written.objects:
+            expected = bpy.data.objects[item.name].matrix_world.to_quaternion()
+            near = abs(expected.dot(Quaternion(item.pose.rotation)))
+            assert near == pytest.approx(1, abs=1e-6)
+            place = bpy.data.objects[item.name].matrix_world.translation
+            assert item.pose.position == pytest.approx(tuple(place), abs=1e-6)
 
 
 def test_packed_and_inline(shaken, tmp_path):

@@ -1,0 +1,71 @@
+"""The objects of a scene as its frames are written: with their shapes and poses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ...core.arrays import BoolArray, FloatArray
+from ...core.scene.values import HapticObject, Pose
+from ..scene_reader.imported import stored_item
+from ..scene_reader.reading import Reading
+
+
+class WrittenObjects:
+    """Writes the objects of each frame of a scene. One that has neither changed nor moved since the
+    last frame is written as the same value."""
+
+    def __init__(self) -> None:
+        self._reading: Reading | None = None
+        self._objects: tuple[HapticObject, ...] = ()
+
+    def of(self, reading: Reading) -> tuple[HapticObject, ...]:
+        """The objects of a frame with the shapes and poses that they have in it. One that is still
+        where its file put it has the pose of the file."""
+        changed = np.flatnonzero(self._changed(reading))
+        found = {obj.name_full: obj for obj in bpy.data.objects} if len(changed) else {}
+        objects = list(self._objects if len(changed) < len(reading.objects) else reading.objects)
+        poses = _poses(reading.transforms[changed])
+        for i, pose in zip(changed.tolist(), poses, strict=True):
+            item = reading.objects[i]
+            obj = found.get(item.name) if item.name in reading.settled else None
+            if obj is not None:
+                pose = stored_item(obj.haptics.imported, "object")["pose"]
+            objects[i] = replace(item, shape=reading.bodies[i].shape, pose=pose)
+        self._reading, self._objects = reading, tuple(objects)
+        return self._objects
+
+    def _changed(self, reading: Reading) -> BoolArray:
+        """Which objects (n,) are others than in the last frame, or elsewhere."""
+        last = self._reading
+        if last is None or len(last.objects) != len(reading.objects):
+            return np.ones(len(reading.objects), dtype=np.bool_)
+        unsettled = reading.settled ^ last.settled
+        other = (
+            item is not before or body.shape is not before_body.shape or item.name in unsettled
+            for item, before, body, before_body in zip(
+                reading.objects, last.objects, reading.bodies, last.bodies, strict=True
+            )
+        )
+        moved = (reading.transforms != last.transforms).any(axis=(1, 2))
+        return np.fromiter(other, np.bool_, len(moved)) | moved
+
+
+def _poses(transforms: FloatArray) -> Iterator[Pose]:
+    """The poses of rigid transforms (n, 4, 4), in double precision: of the products of the
+    components of each quaternion, the row with the largest square."""
+    turns = transforms[:, :3, :3]
+    transposed = turns.transpose(0, 2, 1)
+    trace = turns.trace(axis1=1, axis2=2)
+    products = np.empty((len(turns), 4, 4))
+    products[:, 0, 0] = 1 + trace
+    products[:, 0, 1:] = products[:, 1:, 0] = (transposed - turns)[:, (1, 2, 0), (2, 0, 1)]
+    products[:, 1:, 1:] = turns + transposed + (1 - trace)[:, None, None] * np.eye(3)
+    largest = products.diagonal(axis1=1, axis2=2).argmax(axis=1)
+    rows = products[np.arange(len(turns)), largest]
+    rows /= np.copysign(np.linalg.norm(rows, axis=1), rows[:, 0])[:, None]
+    for place, turn in zip(transforms[:, :3, 3].tolist(), rows.tolist(), strict=True):
+        yield Pose(tuple(place), tuple(turn))
