@@ -200,7 +200,7 @@ class Outline(NamedTuple):
 
 def _diamond(angle: FloatArray) -> FloatArray:
     """A square on its corner."""
-    return np.asarray(0.8711 / (np.abs(np.cos(angle)) + np.abs(np.sin(angle))))
+    return np.asarray(0.871126 / (np.abs(np.cos(angle)) + np.abs(np.sin(angle))))
 
 
 def _burst(angle: FloatArray) -> FloatArray:

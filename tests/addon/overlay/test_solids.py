@@ -42,9 +42,13 @@ def test_symbols_face_the_viewer_and_lie_around_their_places(seed):
         np.linalg.norm(seen[:, None, :2] - places[None, :, :2], axis=2) - data.points.width * 0.005
     )
     assert reach.min(axis=1).max() < 1e-6
-    for place, size in zip(places, data.points.width, strict=True):
+    # The shader's diamond ends where (x + y - radius + corner) * 0.7071 - 0.2929 * corner is 0.
+    corner = 0.22
+    diamond = 1 - corner + corner * 0.29289 / 0.70710678
+    for place, size, shape in zip(places, data.points.width, data.points.shape, strict=True):
         own = np.linalg.norm(seen[:, :2] - place[:2], axis=1)
-        assert (np.abs(own - size * 0.005) < 1e-6).any()
+        tip = diamond if shape == Symbol.LISTENER else 1.0
+        assert (np.abs(own - tip * size * 0.005) < 1e-6).any()
 
 
 def test_tubes_run_along_their_lines(bridge):
