@@ -3,13 +3,33 @@ current."""
 
 from __future__ import annotations
 
-_changes = {"authored": 0, "edits": 0, "actuators": 0}
-"""Numbers of changes by kind since the add-on was loaded."""
+from collections.abc import Collection
+
+_changes = {"authored": 0, "everywhere": 0, "edits": 0, "actuators": 0}
+"""Numbers of changes by kind since the add-on was loaded; ``everywhere``: the revision of the last
+one that wasn't of certain objects alone."""
+
+_objects: dict[int, int] = {}
+"""The last revision since then in which an object changed, by session id."""
 
 
-def mark_changed() -> None:
-    """Count a change of something authored, in any scene."""
+def mark_changed(objects: Collection[int] | None = None) -> None:
+    """Count a change of something authored, in any scene. ``objects``: session ids of those that
+    it is of; None if others may depend on it."""
     _changes["authored"] += 1
+    if objects is None:
+        _changes["everywhere"] = _changes["authored"]
+        _objects.clear()
+    else:
+        _objects.update(dict.fromkeys(objects, _changes["authored"]))
+
+
+def changed_since(revision: int) -> frozenset[int] | None:
+    """Session ids of the objects of which something authored has changed since a revision; None if
+    that may be so of any."""
+    if revision < _changes["everywhere"]:
+        return None
+    return frozenset(number for number, last in _objects.items() if last > revision)
 
 
 def mark_edited() -> None:

@@ -21,6 +21,11 @@ def changed(self: PropertyGroup, context: Context) -> None:
     mark_changed()
 
 
+def object_changed(self: PropertyGroup, context: Context) -> None:
+    """Mark the object of this property as changed, on which nothing else depends."""
+    mark_changed((self.id_data.session_uid,))
+
+
 def view_changed(self: PropertyGroup, context: Context) -> None:
     """Redraw the viewports: their display has changed, not the traced scene."""
     redraw_viewports()

@@ -6,7 +6,7 @@ from bpy.types import Context, PropertyGroup
 
 from ...core.scene.values import Extent, Listener
 from ..blender.units import metres_per_unit
-from .callbacks import Stored, changed, updating
+from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
 from .kinds import limited, switch
 
@@ -29,10 +29,10 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
     empty = self.id_data
     if empty.type == "EMPTY" and empty.empty_display_type == "SPHERE":
         empty.empty_display_size = self.radius / metres_per_unit(context.scene)
-    changed(self, context)
+    object_changed(self, context)
 
 
-@updating()
+@updating(object_changed)
 @holding(Listener, more={"radius": {"update": _radius_edited}})
 class HapticListenerProperties(Stored, PropertyGroup):
     """A haptic listener, which receives signals at a point of the body."""
@@ -41,7 +41,9 @@ class HapticListenerProperties(Stored, PropertyGroup):
         "Haptic Listener", "Signals are received at this object's origin", update=_enabled_edited
     )
     muted: switch("Mute", "Keep the listener but let it feel nothing", options=set())
-    solo: switch("Solo", "Let only listeners that are solo feel something", options=set())
+    solo: switch(
+        "Solo", "Let only listeners that are solo feel something", options=set(), update=changed
+    )
     use_wish: switch(
         "Wish", "Fulfil Wishes brings this listener to the wished level", options=set(), update=None
     )

@@ -27,7 +27,7 @@ from ...core.scene.functions import Spectrum
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender.progress import progress
-from .callbacks import Stored, updating
+from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
 from .kinds import choice, limited, reference, switch, text
 
@@ -156,9 +156,10 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
         and (material := scene.haptics.materials.items.get(self.name)) is not None
     ):
         write_values(obj, values_of(material))
+    changed(self, context)  # rules may be of the material
 
 
-@updating()
+@updating(object_changed)
 @holding(Spectrum, "band_decays", more={"band_decays": {"default": (0.0,) * BAND_COUNT}})
 @holding(LibraryMaterial, "use_bands")
 class HapticObjectMaterial(PropertyGroup):

@@ -8,7 +8,7 @@ from bpy.types import Object, PropertyGroup
 from ...core.scene.functions import Physical, Spectrum
 from ...core.scene.values import HapticObject
 from . import bake, live_output, materials, modalities
-from .callbacks import Stored, changed, updating
+from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
 from .function import VIBRATION_FUNCTIONS, FunctionParameters, function_property
 from .kinds import choice, number, reference, switch
@@ -16,14 +16,14 @@ from .listener import HapticListenerProperties
 from .source import HapticSourceProperties
 
 
-@updating()
+@updating(object_changed)
 @holding(Physical, thickness="plate_thickness")
 @holding(Spectrum, "wave_speed")
 @holding(HapticObject)
 class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
     """A haptic object, which transmits signals."""
 
-    enabled: switch("Haptic Object", "Vibration passes through this object")
+    enabled: switch("Haptic Object", "Vibration passes through this object", update=changed)
     function: function_property(VIBRATION_FUNCTIONS, "haptic_tracing")
     surface: choice(
         "Surface",

@@ -6,7 +6,7 @@ from bpy.props import PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from ...core.scene.values import Source
-from .callbacks import Stored, updating
+from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
 from .drawing import drawing_property
 from .kinds import choice, limited, share, switch, text
@@ -34,14 +34,19 @@ def _name(name: str, description: str) -> StringProperty:
     return text(name, description, options=set())
 
 
-@updating()
+@updating(object_changed)
 @holding(Source)
 class HapticSourceProperties(Stored, PropertyGroup):
     """A haptic source, which emits a signal."""
 
-    enabled: switch("Haptic Source", "This object emits a haptic signal")
+    enabled: switch("Haptic Source", "This object emits a haptic signal", update=changed)
     muted: switch("Mute", "Keep the source but silence it")
-    solo: switch("Solo", "Silence all sources that are not solo, and impacts", options=set())
+    solo: switch(
+        "Solo",
+        "Silence all sources that are not solo, and impacts",
+        options=set(),
+        update=changed,
+    )
     signal: choice("Signal", "What the source emits", SIGNAL_ITEMS, default="SINE")
     frequency: limited(
         "Frequency (Hz)",

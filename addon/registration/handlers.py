@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.types import Depsgraph, Scene
+from bpy.types import Collection, Depsgraph, DepsgraphUpdate, Mesh, Object, Scene
 
 from ..bake import playback
 from ..blender import job
@@ -83,8 +83,7 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
         return
     mark_edited()
-    if _edited(depsgraph):
-        mark_changed()
+    _mark_changes(depsgraph)
     if not scene.haptics.tracing or not _is_concerned(scene):
         return
     if session.follow_edit(scene, depsgraph):
@@ -192,14 +191,31 @@ def _make_way(seconds: float) -> None:
         session.make_way(seconds)
 
 
-def _edited(depsgraph: Depsgraph) -> bool:
-    """Whether an update changed more than transforms of objects."""
-    return any(
-        not isinstance(u.id, bpy.types.Object)
-        or not u.is_updated_transform
-        or u.is_updated_geometry
-        for u in depsgraph.updates
-    )
+def _mark_changes(depsgraph: Depsgraph) -> None:
+    """Mark what an update has changed beyond transforms of objects."""
+    edits = [
+        update
+        for update in depsgraph.updates
+        if not isinstance(update.id, Object)
+        or not update.is_updated_transform
+        or update.is_updated_geometry
+    ]
+    if edits:
+        world = depsgraph.scene.rigidbody_world
+        bodies = None if world is None else world.collection
+        mark_changed(None if any(_concerns_others(edit, bodies) for edit in edits) else ())
+
+
+def _concerns_others(update: DepsgraphUpdate, bodies: Collection | None) -> bool:
+    """Whether an update may have changed more than what every reading compares, the settings of
+    the scene, and what it names to `SceneReader.note`, an object or mesh. Blender names the
+    collection of the rigid ``bodies`` whenever one of them moves."""
+    changed = update.id and update.id.original
+    if isinstance(changed, Object):
+        return not update.is_updated_transform
+    if isinstance(changed, Mesh):
+        return not update.is_updated_geometry
+    return not isinstance(changed, Scene) and changed != bodies
 
 
 def _noted(depsgraph: Depsgraph, names_all: bool = False) -> Evaluation | None:

@@ -6,7 +6,7 @@ bpy object is kept between calls: only session ids, row numbers and plain values
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Set
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -86,6 +86,7 @@ class SceneReader:
         self._evaluations = 0  # that were noted since the last reading
         self._layer = ""  # view layer of the objects
         self._metres = 1.0  # per unit
+        self._times = (0, 0, 0.0)  # of the scene: first and last frame, and seconds a frame
         self._instances = NONE
         self._is_instance_moved = False
         self._problems_of_instances: tuple[Problem, ...] = ()
@@ -112,8 +113,21 @@ class SceneReader:
         self.solo_roles: frozenset[str] = frozenset()
 
     def forget(self) -> None:
-        """Make the next `read` read everything, because an authored value has changed."""
+        """Make the next `read` read everything."""
         self._session_ids = None
+
+    def reread(self, objects: Set[int] | None) -> None:
+        """Make the next `read` read these objects, by session id, because an authored value of
+        theirs has changed; everything for None, and where others may depend on them."""
+        if (
+            objects is None
+            or not objects <= self._rows.keys()
+            or self._is_triggered
+            or self._instances is not NONE
+        ):
+            self.forget()
+        else:
+            self._authored |= objects
 
     def forget_shapes(self) -> None:
         """Make the next `read` build every shape again."""
@@ -165,8 +179,9 @@ class SceneReader:
         # Of one that does not name all, more may follow that is not noted.
         self._evaluations = int(evaluation is None or not evaluation.names_all)
         metres = metres_per_unit(scene)
-        if metres != self._metres:
-            self._metres, self._session_ids = metres, None
+        times = scene.frame_start, scene.frame_end, frame_seconds(scene)
+        if (metres, times) != (self._metres, self._times):
+            self._metres, self._times, self._session_ids = metres, times, None
         if self._marked(scene) != self._markers or not self._move_instances(depsgraph):
             self._session_ids = None
         if only is not None and self._covers(only, depsgraph):

@@ -243,7 +243,7 @@ def begin(
     # A result holds much memory, which is freed on the worker, as that takes long.
     released, session.previous = session.previous, session.result
     if session.version != revisions.authored():
-        session.reader.forget()
+        session.reader.reread(revisions.changed_since(session.version))
         session.version = revisions.authored()
         if not session.tracer.collisions.has_stored_impacts or session.motion != motion_of(scene):
             session.tracer.collisions.forget_impacts()

@@ -231,7 +231,7 @@ class _PointShape(Shape):
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return all(
+        return self is other or all(
             np.array_equal(getattr(self, item.name), getattr(other, item.name))
             for item in fields(self)
         )

@@ -192,13 +192,17 @@ class Physical(ModulationFunction):
 
     def damping(self, frequency: float, kappa: Value, rho: Value) -> FloatArray:
         """Attenuation alpha [1/m] at ``frequency`` [Hz]; infinite where K is 0."""
+        parts = self._parts_of_material(kappa, rho)
+        infinite = np.full(np.shape(parts), math.inf)
         alpha = self.material_damping(frequency)
+        return np.asarray(np.multiply(alpha, parts, out=infinite, where=parts < math.inf))
+
+    def _parts_of_material(self, kappa: Value, rho: Value) -> FloatArray:
+        """Attenuation, in parts of that of the material itself; infinite where K is 0."""
         k = np.asarray(transfer_coefficient(np.asarray(kappa), np.asarray(rho)), dtype=np.float64)
         blocked = k <= 0
         return np.where(
-            blocked,
-            math.inf,
-            alpha * (np.log(np.where(blocked, 1.0, k)) / math.log(self.material_k)),
+            blocked, math.inf, np.log(np.where(blocked, 1.0, k)) / math.log(self.material_k)
         )
 
     @property
@@ -247,12 +251,11 @@ class Physical(ModulationFunction):
     def _relative_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
         """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the
         bands; () if the difference is negligible (`_FELT`)."""
-        base = float(self.damping(BAND_CENTRES[0], kappa, rho))
-        relative = (
-            ()
-            if base == math.inf
-            else tuple(float(self.damping(centre, kappa, rho)) - base for centre in BAND_CENTRES)
-        )
+        parts = float(self._parts_of_material(kappa, rho))
+        if parts == math.inf:
+            return ()
+        decays = [self.material_damping(centre) * parts for centre in BAND_CENTRES]
+        relative = tuple(decay - decays[0] for decay in decays)
         return () if all(decay * _FAR < _FELT for decay in relative) else relative
 
     def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
