@@ -6,7 +6,7 @@ Each scene is made by formulas (`real_scenes`) in a process of its own. *Make Ha
 with all objects selected; one of them sounds and one is a listener. Blocks of frames are then
 played without and with tracing in turns, the first frame of each left out; `off` and `on` are
 medians of the processor's time of a frame, of all threads, and `worst` is the longest that one with
-tracing takes. `memory` is what the tracer keeps, `file` the scene with its frames as a haptic scene
+tracing takes. `edit`: the same of a change of κ of one object. `memory` is what the tracer keeps, `file` the scene with its frames as a haptic scene
 (`.json`), of 24 frames.
 """
 
@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 NAMES = ("kitchen", "robots", "walker", "pile", "rings", "city", "house", "still", "instances")
 BLOCK = 10
+EDITS = 5
 
 
 class Row(NamedTuple):
@@ -35,6 +36,7 @@ class Row(NamedTuple):
     off: float
     on: float
     worst: float
+    edit: float
     memory: int
     file: int
 
@@ -72,6 +74,14 @@ def measure(name: str) -> Row:
             if frame > begin + 1:
                 times[tracing].append(1000 * (time.process_time() - begun))
     off, on = (sorted(times[tracing]) for tracing in (False, True))
+    scene.haptics.tracing = True
+    edits = []
+    for _ in range(EDITS):
+        begun = time.process_time()
+        objects[-1].haptics.kappa *= 0.99
+        bpy.context.view_layer.update()
+        session.result_of(scene)
+        edits.append(1000 * (time.process_time() - begun))
     session.clear()
     tracemalloc.start()
     session.trace(scene, bpy.context.evaluated_depsgraph_get())
@@ -86,6 +96,7 @@ def measure(name: str) -> Row:
         off[len(off) // 2],
         on[len(on) // 2],
         on[-1],
+        sorted(edits)[EDITS // 2],
         held,
         _file_size(scene),
     )
@@ -107,15 +118,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", default=NAMES)
     print(
-        "scene    objects contacts | Make Haptic   first |    off      on   worst | memory   file"
+        "scene    objects contacts | Make Haptic   first |    off      on   worst    edit |"
+        " memory   file"
     )
-    print("                          |         s      ms |     ms      ms      ms |     MB     MB")
+    print(
+        "                          |         s      ms |     ms      ms      ms      ms |"
+        "     MB     MB"
+    )
     for name in parser.parse_args().names:
         with multiprocessing.get_context("spawn").Pool(1) as process:
             row = process.apply(measure, (name,))
         print(
             f"{row.name:<9}{row.objects:7}{row.contacts:9} |{row.make_haptic:12.2f}{row.first:8.0f}"
-            f" |{row.off:7.1f}{row.on:8.1f}{row.worst:8.1f} |{row.memory / 1e6:7.1f}"
+            f" |{row.off:7.1f}{row.on:8.1f}{row.worst:8.1f}{row.edit:8.1f} |{row.memory / 1e6:7.1f}"
             f"{row.file / 1e6:7.2f}",
             flush=True,
         )
