@@ -6,8 +6,8 @@ Each scene is made by formulas (`real_scenes`) in a process of its own. *Make Ha
 with all objects selected; one of them sounds and one is a listener. Blocks of frames are then
 played without and with tracing in turns, the first frame of each left out; `off` and `on` are
 medians of the processor's time of a frame, of all threads, and `worst` is the longest that one with
-tracing takes. `edit`: the same of a change of κ of one object. `memory` is what the tracer keeps, `file` the scene with its frames as a haptic scene
-(`.json`), of 24 frames.
+tracing takes. `edit`: the same of a change of κ of one object. `memory` is what the tracer keeps,
+`file` the scene with its frames as a haptic scene (`.json`), of 24 frames.
 """
 
 from __future__ import annotations

@@ -153,12 +153,12 @@ def parts_at_rest(obj: Object, armature: Object, stretch: FloatArray) -> BonePar
     inside = of[triangles]
     whole = (inside == inside[:, :1]).all(axis=1)
     place = np.empty(len(points), dtype=np.int64)
-    hulls = tuple(_hull(own.tobytes()) for own in groups)
-    deviations = []
-    for part, (own, hull) in enumerate(zip(groups, hulls, strict=True)):
+    parts = []
+    for part, own in enumerate(groups):
         place[of == part] = np.arange(len(own))
         mine = place[triangles[whole & (inside[:, 0] == part)]]
-        deviations.append(max(_beyond(own, hull), hull_deviation(own, mine, _SMOOTH)))
+        parts.append(_hull(own.tobytes(), mine.tobytes()))
+    hulls, deviations = zip(*parts, strict=True)
     rest = read_array(armature.data.bones, "matrix_local", 16).reshape(-1, 4, 4)
     data = [armature.data.bones.find(bone.name) for bone in armature.pose.bones]
     inverse = np.linalg.inv(rest.transpose(0, 2, 1).astype(np.float64))[np.array(data)[bones]]
@@ -184,15 +184,15 @@ def _is_point(points: FloatArray) -> bool:
 
 
 @lru_cache(maxsize=1024)
-def _hull(points: bytes) -> ConvexHull:
-    """The hull of points (n, 3), the same object where a mesh is read again."""
-    return ConvexHull(convex_hull(np.frombuffer(points).reshape(-1, 3), _SMOOTH).points)
-
-
-def _beyond(points: FloatArray, hull: ConvexHull) -> float:
-    """How far ``points`` (n, 3) are at most outside a hull [m]."""
+def _hull(points: bytes, triangles: bytes) -> tuple[ConvexHull, float]:
+    """The hull of points (n, 3), and how far it is at most from them and from triangles (t, 3) of
+    them [m]; the same object where a mesh is read again, as after every edit of a property."""
+    own = np.frombuffer(points).reshape(-1, 3)
+    hull = ConvexHull(convex_hull(own, _SMOOTH).points)
     normals, offsets = convex_hull(hull.points).planes()
-    return float((points @ normals.T - offsets).max(initial=0.0))
+    beyond = float((own @ normals.T - offsets).max(initial=0.0))
+    mine = np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)
+    return hull, max(beyond, hull_deviation(own, mine, _SMOOTH))
 
 
 @lru_cache(maxsize=256)
