@@ -56,6 +56,7 @@ def test_of_many_objects_only_the_one_that_moves_is_read(boxes, scene, read_ever
     assert len(read_everywhere) == 9  # those of the fresh readers
 
 
+@pytest.mark.slow
 def test_random_edits_between_frames(boxes, scene):
     random = np.random.default_rng(9)
     away = bpy.data.collections.new("away")

@@ -145,6 +145,7 @@ def test_on_being_hit_it_plays_with_the_energy_of_the_blow(scene, struck):
     assert onsets(again) == onsets(results) and not any(result.impacts for result in again)
 
 
+@pytest.mark.slow
 def test_a_bake_of_a_part_is_that_part_of_the_whole(scene, bell, ball, add_empty):
     add_empty("gate", (3, 0, 1)).empty_display_size = 0.5
     bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ball", "gate"

@@ -421,6 +421,7 @@ def test_a_part_with_strange_arrays_is_refused_with_its_place(small_part, arrays
     assert str(caught.value).startswith(f"{path}: {message}")
 
 
+@pytest.mark.slow
 def test_a_part_that_would_become_gigabytes_is_refused(small_part):
     """Zeros, a thousandth of their size when compressed."""
     path = small_part(gain=np.zeros((2, 16_000_000)))

@@ -112,6 +112,7 @@ def test_sentences_call_it_standard_input(arguments, piped, tmp_path):
     assert all(line.startswith("standard input: ") and "tmp" not in line for line in lines)
 
 
+@pytest.mark.slow
 def test_nothing_of_a_pipe_is_left_when_it_is_ended(scene, tmp_path):
     """Files on their way to standard output are in the one temporary folder of the run. It ends
     while it waits for somebody to read its 3 MB."""

@@ -234,9 +234,13 @@ def test_every_combination_is_a_variant_and_a_seed_draws_within_its_range(tmp_pa
     assert len(set.union(*drawn.values())) == 3
 
 
-def test_disks_without_room_and_clusters_that_do_not_answer(tmp_path):
+def test_disks_without_room_are_refused(tmp_path):
     with pytest.raises(ValueError, match=r"need about .* MB, and .* MB are free"):
         sweep._make_folders(tmp_path, 100_000, 1e18)
+
+
+@pytest.mark.slow
+def test_clusters_that_do_not_answer_are_refused():
     with (
         pytest.raises(ValueError, match=r"--on tcp://127\.0\.0\.1:9: no scheduler answers"),
         scheduling.connected("tcp://127.0.0.1:9", 1),

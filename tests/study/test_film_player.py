@@ -22,6 +22,7 @@ def player_of(sent):
     return FilmPlayer(SimpleNamespace(outputs={"pad": output}, stop=lambda: None))
 
 
+@pytest.mark.slow
 def test_what_is_missed_without_pictures_is_counted():
     sent = []
     player = player_of(sent)

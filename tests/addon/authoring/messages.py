@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
@@ -51,6 +52,7 @@ def registered_texts() -> set[str]:
     return {text for text in found if _has_words(text)}
 
 
+@cache
 def written_texts() -> set[str]:
     """Texts in the sources that are drawn or reported."""
     found: set[str] = set()

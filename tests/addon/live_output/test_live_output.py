@@ -198,6 +198,7 @@ def test_a_device_that_is_unplugged_while_playing_is_counted_and_felt_again_when
     assert output.status.losses == 1 and output.status.message == ""
 
 
+@pytest.mark.slow
 def test_a_blocked_write_holds_up_neither_blender_nor_another_device(plug, connect, playing):
     stuck, free = plug(serial="stuck"), plug(serial="free")
     connect()

@@ -67,6 +67,7 @@ def test_a_guard_that_others_keep_from_the_processor_is_not_replaced(pad):
     assert (pad.status.state, guard._state.guard._pid) == ("open", watched)
 
 
+@pytest.mark.slow
 def test_a_device_opens_although_the_guard_may_have_answered_before(tmp_path, monkeypatch):
     """Before the program has told the guard of its first device: another thread can hold Python's
     lock in between."""

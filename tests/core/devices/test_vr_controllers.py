@@ -215,6 +215,7 @@ def test_the_users_offset_and_ceiling_are_followed():
     assert played(steady(), 1 / 60, adjustment=Adjustment(ceiling=0.25))[1].max() <= 0.25
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(
     st.lists(

@@ -100,6 +100,7 @@ def test_wavelets_of_any_block_and_place(tmp_path, values):
     read(path)
 
 
+@pytest.mark.slow
 def test_an_effect_of_many_keys_that_is_referred_to_often_is_refused(tmp_path):
     document = json.loads((CORPUS / "good.hjif").read_bytes())
     (perception, *_) = document["perceptions"]
