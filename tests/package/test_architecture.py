@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from import_graph import LAYERS, cycles, layer, modules
+from import_graph import LAYERS, cycles, layer, modules, statements
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -157,8 +157,7 @@ def test_the_glossary_names_what_is_there(root):
     for part in ("core", "addon"):
         for path in (root / part).rglob("*.py"):
             known |= {path.stem, path.parent.name}
-            tree = ast.parse(path.read_text(encoding="utf-8"))
-            for node in ast.walk(tree):
+            for node, _ in statements(ast.parse(path.read_text(encoding="utf-8")), False):
                 if isinstance(node, (ast.ClassDef, ast.FunctionDef)):
                     known.add(node.name)
                 if isinstance(node, ast.ClassDef):
@@ -166,8 +165,8 @@ def test_the_glossary_names_what_is_there(root):
                     names = [field.id for field in fields if isinstance(field, ast.Name)]
                     names += [item.name for item in node.body if isinstance(item, ast.FunctionDef)]
                     known |= {f"{node.name}.{name}" for name in names}
-                if isinstance(node, ast.arg):
-                    known.add(node.arg)
+                if isinstance(node, ast.FunctionDef):
+                    known |= {argument.arg for argument in (*node.args.args, *node.args.kwonlyargs)}
     rows = (root / "docs" / "glossary.md").read_text(encoding="utf-8").splitlines()
     told = " ".join(row.split("|")[3] for row in rows if row.startswith("|"))
     names = re.findall(r"`([\w.]+)`", told)

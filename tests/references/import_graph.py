@@ -89,7 +89,7 @@ def _imports_of(name: str, path: Path, known: Iterable[str]) -> Iterator[Import]
         if path.name == "__init__.py"
         else name.split(".")[:-1]
     )
-    for node, inside in _statements(ast.parse(path.read_text(encoding="utf-8")), False):
+    for node, inside in statements(ast.parse(path.read_text(encoding="utf-8")), False):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield Import(name, alias.name.split(".")[0], node.lineno, False, inside)
@@ -112,7 +112,7 @@ def _imports_of(name: str, path: Path, known: Iterable[str]) -> Iterator[Import]
                 yield Import(name, target, node.lineno, True, inside)
 
 
-def _statements(node: ast.AST, inside: bool) -> Iterator[tuple[ast.stmt, bool]]:
+def statements(node: ast.AST, inside: bool) -> Iterator[tuple[ast.stmt, bool]]:
     """All statements below a node, and whether each stands in a function. Statements hold others in
     lists; expressions hold none."""
     inside = inside or isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
@@ -121,7 +121,7 @@ def _statements(node: ast.AST, inside: bool) -> Iterator[tuple[ast.stmt, bool]]:
             if isinstance(inner, ast.stmt):
                 yield inner, inside
             if isinstance(inner, (ast.stmt, ast.ExceptHandler, ast.match_case)):
-                yield from _statements(inner, inside)
+                yield from statements(inner, inside)
 
 
 def cycles(edges: Iterable[tuple[str, str]]) -> list[list[str]]:

@@ -35,7 +35,12 @@ def test_the_files_are_those_of_their_script():
 
 
 @pytest.mark.parametrize(
-    "path", sorted(FOLDER.glob("*.json*")), ids=lambda path: path.name.partition(".")[0]
+    "path",
+    [
+        pytest.param(path, marks=pytest.mark.slow) if path.name.startswith("sample_") else path
+        for path in sorted(FOLDER.glob("*.json*"))
+    ],
+    ids=lambda path: path.name.partition(".")[0],
 )
 def test_answers_are_as_expected(path):
     assert list(conformance.differences(read_json(path), Spoken(), None)) == []

@@ -119,6 +119,7 @@ def test_playing_on_a_dualsense_over_usb(scene):
     assert answer["written"] == len(reports) and answer["failed_writes"] == answer["losses"] == 0
 
 
+@pytest.mark.slow
 def test_playing_on_a_dualsense_over_bluetooth_counts_reports_and_keeps_the_checksum(scene):
     reports = split(scene("play", "dualsense", "200", fakes=[DUALSENSE_BT])["captured"], 78)
     assert [int(report[2], 16) for report in reports] == [i % 16 for i in range(len(reports))]
@@ -133,6 +134,7 @@ def test_playing_on_a_dualsense_over_bluetooth_counts_reports_and_keeps_the_chec
         assert report[-8:] == (register ^ 0xFFFFFFFF).to_bytes(4, "little").hex()
 
 
+@pytest.mark.slow
 def test_an_old_dualsense_gets_the_reports_of_its_generation(scene):
     version = bytearray(64)
     version[0], version[44:46] = 0x20, (0x0210).to_bytes(2, "little")
@@ -183,6 +185,7 @@ def test_playing_on_a_switch_pro_over_usb_and_bluetooth(scene):
         assert answer["written"] == len(reports) + (fake is SWITCH_PRO_USB)
 
 
+@pytest.mark.slow
 def test_playing_on_a_steam_deck_goes_through_feature_reports(scene):
     keyboard = Fake(3, 0x28DE, 0x1205, "Steam Deck Controller", number=0, descriptor=KEYBOARD)
     answer = scene("play", "steam-deck", "200", fakes=[DECK, keyboard])
@@ -209,6 +212,7 @@ def test_a_program_that_just_ends_leaves_the_device_silent_and_released(scene):
     ]
 
 
+@pytest.mark.slow
 def test_an_unplugged_device_is_counted_searched_and_driven_again(scene):
     answer = scene("unplug", "dualsense", fakes=[DUALSENSE_USB])
     assert answer["lost"]["losses"] == 1 and answer["lost"]["failed_writes"] == 3

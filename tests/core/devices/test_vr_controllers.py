@@ -48,13 +48,13 @@ TRACKS = {"steady": steady(), "swept": swept()}
 
 
 def played(samples, frame, jitter=0.0, adjustment=None, seed=1):
-    """The times of the frames of a session of this duration, and of each the call of the left
+    """The times of the frames of a session as long as the samples, and of each the call of the left
     controller; the samples come in blocks of 1/24 s as in the player."""
     device = VrControllers(adjustment)
     device.start()
     random, now, sent = np.random.default_rng(seed), 0.0, 0
     found = []
-    while now < SECONDS:
+    while now < len(samples) / RATE:
         while sent * BLOCK <= now:
             begin, end = round(sent * BLOCK * RATE), round((sent + 1) * BLOCK * RATE)
             block = np.zeros((2, end - begin))
@@ -118,7 +118,7 @@ def test_the_peak_of_a_blow_is_kept(frame, decay):
 @pytest.mark.parametrize("frame", [1 / 20, 1 / 30, 1 / 60])
 def test_a_blow_just_before_the_end_of_a_frame_keeps_its_peak(frame):
     """At any place in a frame, also where the first frame has only a part of the blow's rise."""
-    t = times()
+    t = times(1.0)
     for onset in np.linspace(0.5, 0.5 + frame, 12, endpoint=False):
         decaying = np.exp(-np.clip(t - onset, 0, None) / 0.05) * (t >= onset)
         samples = 0.8 * decaying * np.sin(2 * np.pi * 170 * (t - onset))
@@ -151,7 +151,7 @@ def test_a_call_lasts_three_frames_and_at_most_60_ms():
 
 def test_an_onset_is_called_in_the_next_frame():
     for onset in np.linspace(0.5, 0.52, 15):
-        samples = np.where(times() >= onset, steady(), 0.0)
+        samples = np.where(times() >= onset, steady(), 0.0)[:RATE]
         at, amplitude, _ = played(samples, 1 / 60, jitter=0.2)
         first = at[np.argmax(amplitude > 0.01)]
         assert 0 < first - onset < 1.2 / 60 + 0.005
