@@ -185,11 +185,8 @@ class CollisionDetector:
         ):
             return False
         last = self._last
-        alike = (last.number, last.time) == (frame.number, frame.time) and (
-            last.bodies is frame.bodies or last.bodies == frame.bodies
-        )
         return (
-            alike
+            (last.number, last.time, last.bodies) == (frame.number, frame.time, frame.bodies)
             and last.transforms is not None
             and np.array_equal(last.transforms, frame.transforms)
         )
@@ -394,16 +391,15 @@ class CollisionDetector:
         rules = self._rules_of(bodies)
         if self._rules != rules:
             self.forget_impacts()
-        self._rules = rules  # known by identity in the next frame
+        self._rules = rules
         if tracker is None or tracker.settings != rules[1]:
             before, self._interrupted = tracker or self._interrupted, None
             tracker = self._tracker = ContactTracker(bodies, rules[1], before)
             self._sources.clear()
             self._rubbing.clear()
-        elif tracker.bodies is not bodies or anew:
-            if anew or tracker.bodies != bodies:
-                tracker.replace_bodies(bodies, anew)
-            tracker.bodies = bodies  # known by identity in the next frame
+        elif anew or tracker.bodies != bodies:
+            tracker.replace_bodies(bodies, anew)
+        tracker.bodies = bodies  # which are the sooner known to be the same in the next frame
         return tracker
 
     def _endpoints(

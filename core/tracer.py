@@ -117,7 +117,7 @@ class Tracer:
     def _propagate(self, inputs: Inputs, watch: _Stopwatch) -> Propagated:
         """Return graph and gains; those of the last frame if its inputs were the same."""
         known = self._propagated
-        if known is None or not known.inputs.same_as(inputs):
+        if known is None or known.inputs != inputs:
             gravity = self.collisions.settings.gravity
             graph = build_graph(
                 inputs.table,

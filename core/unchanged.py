@@ -10,8 +10,7 @@ Value = TypeVar("Value")
 
 
 class Unchanged(Generic[Parts, Value]):
-    """What ``make`` returns for its arguments: the same object as long as these are the same
-    objects. All that is made of it in turn then stays as it is, too."""
+    """What ``make`` returns for its arguments, made again where these differ from the last ones."""
 
     def __init__(self, make: Callable[Parts, Value]) -> None:
         self._make = make
@@ -19,6 +18,6 @@ class Unchanged(Generic[Parts, Value]):
 
     def __call__(self, *parts: Parts.args, **_: Parts.kwargs) -> Value:
         last = self._last
-        if last is None or any(a is not b for a, b in zip(parts, last[0], strict=True)):
-            last = self._last = parts, self._make(*parts, **_)
-        return last[1]
+        value = last[1] if last is not None and last[0] == parts else self._make(*parts, **_)
+        self._last = parts, value  # parts that are the same objects next time are compared at once
+        return value

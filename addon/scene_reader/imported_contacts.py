@@ -78,8 +78,7 @@ class ImportedContacts:
         self, file_poses: FilePoses, settled: frozenset[str], settings: ContactSettings
     ) -> AuthoredContacts | None:
         """The contacts of the file that are still valid, those between bodies that are ``settled``
-        (in their poses of the file), as the tracer takes them; None without any. The same object
-        while nothing changes."""
+        (in their poses of the file), as the tracer takes them; None without any."""
         kept = self._kept
         settled = settled if kept.tolerance == settings.tolerance and kept.contacts else frozenset()
         if not settled and not kept.transmissions:

@@ -273,8 +273,7 @@ class SceneReader:
         return raw
 
     def _read_settings(self, scene: Scene) -> None:
-        """Read the settings if they have changed; otherwise keep the same objects, because the
-        tracer takes a setting that is the same object for unchanged."""
+        """Read the settings if they have changed."""
         values = setting_values(scene)
         if values == self._values:
             return
@@ -282,8 +281,7 @@ class SceneReader:
         contact_settings = read_contact_settings(scene, self._tables)
         if "source" in self.solo_roles:
             contact_settings = replace(contact_settings, impacts=False, textures=RuleTable())
-        if contact_settings != self._contact_settings:
-            self._contact_settings = contact_settings
+        self._contact_settings = contact_settings
         self._values = values
 
     def _marked(self, scene: Scene) -> tuple[tuple[str, int], ...]:
@@ -470,8 +468,7 @@ class SceneReader:
             lists = lists.reshaped(reshaped)
         if is_moved or lists is not self._lists:
             self._transforms = self._rigid.take(lists.of_bodies, axis=0)
-            settled = lists.file_poses.snap(self._transforms)
-            self._settled = self._settled if settled == self._settled else settled
+            self._settled = lists.file_poses.snap(self._transforms)
             places = self._raw[lists.rows.searchsorted(lists.of_places), 12:15].tolist()
             self._placed = [
                 item if near(item.position, place) else item.moved(place)

@@ -67,8 +67,8 @@ class TaggedLists:
 
     @classmethod
     def of(cls, by_row: dict[int, Tagged], before: TaggedLists | None = None) -> TaggedLists:
-        """Lists equal to those of ``before`` are the same objects, so that derived values remain
-        valid."""
+        """The lists of the tagged objects. ``before``: those of the frame before, of which remains
+        what is unchanged."""
         tagged = sorted(by_row.values(), key=lambda t: t.row)
         bodies = [
             (k, t.object, t.body)
@@ -87,16 +87,13 @@ class TaggedLists:
         alone = tuple(body for _, _, body in bodies)
         names = tuple(item.name for item in objects)
         poses = tuple(tagged[k].home for k, _, _ in bodies)
-        if before is not None:
-            objects = before.objects if objects == before.objects else objects
-            alone = before.bodies if alone == before.bodies else alone
         same_poses = before is not None and (names, poses) == (
             before.file_poses.names,
             before.file_poses.poses,
         )
         still = (
             before.still
-            if before is not None and alone is before.bodies
+            if before is not None and alone == before.bodies
             else _still([t.stretch for t in tagged], bodies, before)
         )
         return cls(

@@ -17,6 +17,8 @@ from mathutils import Matrix
 
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
+from ...core.graph.haptic_graph import HapticGraph
+from ...core.propagation import Propagation
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Settings
 from ..blender.time import seconds_of
@@ -42,11 +44,9 @@ _drawings: dict[int, GraphDrawing] = {}  # by session id of the scene
 
 @frozen
 class GraphShapes:
-    """The drawn graph of a frame, and the values it was made from."""
+    """The drawn graph of a frame, and the values it was ``made_of``."""
 
-    result: FrameResult
-    settings: Settings
-    options: Options
+    made_of: tuple[HapticGraph, Propagation, Settings, Options]
     data: RenderData
     quads: Quads
 
@@ -69,18 +69,11 @@ class GraphShapes:
             before: shapes of the frame before.
             paths: connections kept in a track, None for a traced frame.
         """
-        if (
-            before is not None
-            and (before.settings, before.options) == (settings, options)
-            and _look_alike(before.result, result)
-        ):
+        now = result.graph, result.propagation, settings, options
+        if before is not None and now == before.made_of:
             return before
         data = render_data(result, settings, options, paths)
-        return cls(result, settings, options, data, quads(data))
-
-
-def _look_alike(one: FrameResult, other: FrameResult) -> bool:
-    return one.graph is other.graph and one.propagation is other.propagation
+        return cls(now, data, quads(data))
 
 
 @dataclass(slots=True)

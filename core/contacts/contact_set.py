@@ -14,7 +14,7 @@ from ..scene.functions import Identity, ModulationFunction
 from ..scene.values import Contact
 
 
-@frozen
+@frozen(eq=False)
 class ContactSet:
     """``n`` contacts between objects given by index.
 

@@ -158,7 +158,7 @@ class SlidingAndRolling:
         known, self._bodies = self._bodies, bodies
         if span is None or before is None:
             return
-        if known is not bodies or anew:
+        if known != bodies or anew:
             old = {
                 body.name: pose
                 for body, pose in zip(known, before, strict=True)

@@ -54,7 +54,7 @@ class NoGain(ValueError):
         self.objects = objects
 
 
-@frozen
+@frozen(eq=False)
 class ObjectTable:
     """The propagation functions of all objects as arrays, in the order of their sorted names.
 
@@ -241,7 +241,7 @@ class SourceNodes:
     band: int = 0
 
 
-@frozen
+@frozen(eq=False)
 class HapticGraph:
     """``G = (V, {P, T})`` with the intra-connections P implied.
 

@@ -14,7 +14,7 @@ from ..frozen import frozen
 from ..message import Message
 
 
-@frozen
+@frozen(eq=False)
 class Propagation:
     """Gains from s sources to l listeners; amplitudes of the sources are not included.
 

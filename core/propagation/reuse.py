@@ -24,13 +24,6 @@ class Inputs(NamedTuple):
     settings: Settings
     frames: ObjectFrames | None
 
-    def same_as(self, other: Inputs) -> bool:
-        """Whether nothing differs. Table and contacts are the same objects while they are
-        unchanged."""
-        return (
-            self.table is other.table and self.contacts is other.contacts and self[2:] == other[2:]
-        )
-
 
 @frozen
 class Propagated:
