@@ -17,7 +17,7 @@ from ...core.collisions import EXACT_FRAMES
 from ...core.modalities.propagation import Felt
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
-from ...core.render.mixdown import block_of
+from ...core.render.mixdown import with_block
 from ...core.tracer import Frame, Tracer
 from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
 from ..blender.time import frame_seconds, is_playing, seconds_of
@@ -54,12 +54,7 @@ def result_of(scene: Scene) -> FrameResult | None:
     _finish(session)
     session.is_asked = True
     if session.result is not None:
-        block = block_of(session.result)
-        session.result = (
-            session.result
-            if block is session.result.block
-            else replace(session.result, block=block)
-        )
+        session.result = with_block(session.result)
     return session.result
 
 

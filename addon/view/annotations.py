@@ -15,7 +15,8 @@ from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
 from .cues import Cue
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
-from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, Place, RenderData, Size, Symbol
+from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, Place, RenderData, Size
+from .symbols import Symbol
 
 _PADDING = (6.0, 4.0)
 _GAP = 5.0  # points between a place's symbol and its label

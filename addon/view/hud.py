@@ -9,7 +9,8 @@ import numpy as np
 
 from ...core.frozen import frozen
 from ..blender.text import shortened, text_width
-from .render_data import Lines, Place, Symbol, joined, lines_of
+from .render_data import Lines, Place, joined, lines_of
+from .symbols import Symbol
 
 TEXT_SIZE = 11.0
 SMALL_TEXT = 0.86 * TEXT_SIZE

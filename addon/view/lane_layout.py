@@ -12,7 +12,8 @@ import numpy as np
 from ...core.arrays import BoolArray, FloatArray
 from ...core.render.lane import height_of
 from .hud import SMALL_TEXT, Hud, HudBuilder
-from .render_data import Drawn, Place, Symbol
+from .render_data import Drawn, Place
+from .symbols import Symbol
 
 # Points at a user interface scale of 1.
 _ROW, _LEAST_ROW, _GAP = 36.0, 11.0, 1.0

@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from ...core.arrays import FloatArray
-from .render_data import Drawn, Lines, Symbol
-from .solids import OUTLINES, layers
+from .render_data import Drawn, Lines
+from .symbols import LOOKS, Symbol
 
 
 def paint(canvas: FloatArray | Drawn, lines: Lines, scale: float = 1.0) -> None:
@@ -46,8 +46,9 @@ def paint(canvas: FloatArray | Drawn, lines: Lines, scale: float = 1.0) -> None:
             away = np.hypot(x - start[0] - share * way[0], y - start[1] - share * way[1]) - radius
             _cover(part, away, ends[0], opacity)
         else:
-            outline = OUTLINES[Symbol(shape)].radius(np.arctan2(y - y0, x - x0))
-            for inset, layer, cover in layers(Symbol(shape), ends[0]):
+            look = LOOKS[Symbol(shape)]
+            outline = look.radius(np.arctan2(y - y0, x - x0))
+            for inset, layer, cover in look.coloured(ends[0]):
                 inner = max(radius - inset * scale, 0.0)
                 away = np.hypot(x - x0, y - y0) - inner * outline
                 _cover(part, away, layer, cover if inner else 0.0)

@@ -6,7 +6,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import fields
-from enum import IntEnum
 from functools import partial
 
 import numpy as np
@@ -21,6 +20,7 @@ from ...core.propagation.spread import Spread, spread
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import Listener, Mode, Settings, Source, SourceKind
 from .colour_map import AmplitudeScale, hex_colour
+from .symbols import HALO_COLOUR, LOOKS, Symbol
 
 Drawn = NDArray[np.float32]
 Place = tuple[float, float]
@@ -29,40 +29,11 @@ Size = tuple[float, float]
 """Width and height."""
 
 
-class Symbol(IntEnum):
-    """The form of a point or line, see `shader`."""
-
-    LINE = 0
-    CONTACT = 1
-    SOURCE = 2
-    LISTENER = 3
-    IMPACT = 4
-    PLATE = 5
-
-
 SOURCE_COLOUR = hex_colour("#f2673c")
 IMPACT_COLOUR = hex_colour("#ffab2e")
 SILENT_COLOUR = hex_colour("#9a9a9a")
-HALO_COLOUR = hex_colour("#101012")
 HIGHLIGHT_COLOUR = hex_colour("#f4f4f4")
-LIGHT_COLOUR = hex_colour("#f7f7f7")
 
-POINT_SIZE = {Symbol.CONTACT: 9.0, Symbol.SOURCE: 26.0, Symbol.LISTENER: 21.0, Symbol.IMPACT: 22.0}
-"""Diameters in pixels at a user interface scale of 1."""
-LAYERS: dict[Symbol, tuple[tuple[float, FloatArray | None, float], ...]] = {
-    Symbol.CONTACT: ((0.0, HALO_COLOUR, 0.9), (1.3, None, 1.0)),
-    Symbol.LISTENER: ((0.0, HALO_COLOUR, 0.92), (1.9, LIGHT_COLOUR, 1.0), (4.7, None, 1.0)),
-    Symbol.SOURCE: (
-        (0.0, HALO_COLOUR, 0.92),
-        (1.5, None, 1.0),
-        (3.7, HALO_COLOUR, 1.0),
-        (5.4, LIGHT_COLOUR, 1.0),
-        (7.0, None, 1.0),
-    ),
-    Symbol.IMPACT: ((0.0, HALO_COLOUR, 0.92), (1.8, LIGHT_COLOUR, 1.0), (4.0, None, 1.0)),
-}
-"""The layers of each symbol from the outside in: inset [points], colour (None: that of the point)
-and opacity. Shader, meshes and painter draw these."""
 THIN_LINE = (1.2, 2.6)  # pixels, from the floor of the scale to 0 dB
 PATH_LINE = (3.0, 5.0)
 HALO = 3.0  # pixels of a halo on either side of a path
@@ -351,7 +322,7 @@ def _contact_points(
     reached = amplitude > 0
     opacity = np.where(reached, np.where(shown[first] & shown[second], 1.0, UNSELECTED), DIMMED)
     size = (
-        POINT_SIZE[Symbol.CONTACT]
+        LOOKS[Symbol.CONTACT].size
         * min(1.0, max(0.5, (400 / max(len(first), 1)) ** 0.25))
         * np.where(reached, 1.0, 0.7)
     )
@@ -368,7 +339,7 @@ def _listener_points(result: FrameResult, scale: AmplitudeScale, options: Option
         position,
         _amplitude_colour(scale, amplitude),
         opacity,
-        POINT_SIZE[Symbol.LISTENER],
+        LOOKS[Symbol.LISTENER].size,
         Symbol.LISTENER,
     )
 
@@ -390,7 +361,7 @@ def _source_points(result: FrameResult, options: Options) -> Lines:
             silent[:, None], SILENT_COLOUR, np.where(impact[:, None], IMPACT_COLOUR, SOURCE_COLOUR)
         ),
         np.where(chosen, np.where(silent, SILENT, 1.0), UNSELECTED),
-        np.where(impact, POINT_SIZE[Symbol.IMPACT], POINT_SIZE[Symbol.SOURCE]),
+        np.where(impact, LOOKS[Symbol.IMPACT].size, LOOKS[Symbol.SOURCE].size),
         np.where(impact, Symbol.IMPACT, Symbol.SOURCE),
     )
 
@@ -443,7 +414,7 @@ def _label(
         shape is Symbol.LISTENER,
         item.position,
         (red, green, blue),
-        POINT_SIZE[shape] / 2,
+        LOOKS[shape].size / 2,
         priority,
     )
 

@@ -12,15 +12,8 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .quads import ATTRIBUTES, Quads
-from .render_data import LAYERS, Size, Symbol
-
-_DISTANCES = {
-    Symbol.CONTACT: "disc",
-    Symbol.LISTENER: "diamond",
-    Symbol.SOURCE: "disc",
-    Symbol.IMPACT: "burst",
-}
-"""The function in ``quads.frag.glsl`` that is the distance to a symbol's outline."""
+from .render_data import Size
+from .symbols import LOOKS, Symbol
 
 
 @cache
@@ -61,10 +54,10 @@ def shader() -> GPUShader:
 def _symbols() -> str:
     """Statements that draw the layers of the symbol ``kind`` over each other."""
     statements = []
-    for shape, layers in LAYERS.items():
-        for inset, own, opacity in layers:
+    for shape, look in LOOKS.items():
+        for inset, own, opacity in look.layers:
             colour = "colour" if own is None else f"vec3{tuple(own.tolist())}"
-            cover = f"{opacity} * covered({_DISTANCES[shape]}(local, radius - {inset} * pixel))"
+            cover = f"{opacity} * covered({look.distance}(local, radius - {inset} * pixel))"
             statements.append(
                 f"if (kind == SHAPE_{shape.name}) result = over(result, {colour}, {cover});"
             )

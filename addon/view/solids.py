@@ -3,16 +3,16 @@ flat shapes that face the viewer, as on screen. Independent of Blender."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.frozen import frozen
 from .hud import Hud
-from .render_data import HALO_COLOUR, LAYERS, Drawn, Lines, RenderData, Symbol
+from .render_data import Drawn, Lines, RenderData
+from .symbols import HALO_COLOUR, LOOKS, Symbol
 
 RIM = 2.2
 """Width of the dark rim around lines [points]."""
@@ -45,7 +45,7 @@ def solid_graph(data: RenderData, unit: float, facing: FloatArray) -> Solid:
             ),
             tubes(tree, unit),
             tubes(data.paths, unit),
-            *(_symbols(data.points, shape, unit, facing) for shape in OUTLINES),
+            *(_symbols(data.points, shape, unit, facing) for shape in LOOKS),
         ]
     )
 
@@ -126,10 +126,10 @@ def _symbols(points: Lines, shape: Symbol, unit: float, facing: FloatArray) -> S
     chosen = points.shape == shape
     position = points.position[chosen, 0].astype(np.float64)
     size = points.width[chosen] * unit
-    corners = OUTLINES[shape].ring() @ facing[:2]
+    corners = LOOKS[shape].ring() @ facing[:2]
     parts = []
     for number, (inset, colour, _) in enumerate(
-        layers(shape, points.colour[chosen, 0, :3].astype(np.float64))
+        LOOKS[shape].coloured(points.colour[chosen, 0, :3].astype(np.float64))
     ):
         lift = (_LIFT[0] + _LIFT[1] * number) * size[:, None]
         centre = position + lift * facing[2]
@@ -159,10 +159,10 @@ def flat(items: Hud, scale: float) -> Solid:
     for (start, end), colour, width, shape in zip(
         lines.position[:, :, :2], lines.colour, lines.width * scale, lines.shape, strict=True
     ):
-        if shape in OUTLINES:
-            for inset, layer, opacity in layers(Symbol(int(shape)), colour[0, :3]):
-                ring = OUTLINES[Symbol(int(shape))].ring()
-                outline = start + (width / 2 - inset * scale) * ring
+        if shape in LOOKS:
+            look = LOOKS[Symbol(int(shape))]
+            for inset, layer, opacity in look.coloured(colour[0, :3]):
+                outline = start + (width / 2 - inset * scale) * look.ring()
                 shapes.append((outline, np.broadcast_to([*layer, opacity], (len(outline), 4))))
             continue
         outline = (
@@ -176,45 +176,6 @@ def flat(items: Hud, scale: float) -> Solid:
         colours = np.concatenate([colour.mean(axis=0, keepdims=True), colour])
         parts.append(_fans(ring.mean(axis=0)[None], ring[None], colours))
     return joined(parts)
-
-
-def layers(shape: Symbol, colour: FloatArray) -> list[tuple[float, FloatArray, float]]:
-    """The layers of a symbol of a ``colour``: inset [points], colour, opacity; see `LAYERS`."""
-    return [
-        (inset, colour if own is None else own, opacity) for inset, own, opacity in LAYERS[shape]
-    ]
-
-
-class Outline(NamedTuple):
-    """The outline of a symbol as in ``quads.frag.glsl``: its ``radius`` at angles [rad], that of
-    the symbol being 1, and the number of ``corners`` of a mesh."""
-
-    corners: int
-    radius: Callable[[FloatArray], FloatArray]
-
-    def ring(self) -> FloatArray:
-        """The corners (n, 2), counterclockwise."""
-        angle = np.linspace(0, 2 * np.pi, self.corners, endpoint=False)
-        return self.radius(angle)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-
-
-def _diamond(angle: FloatArray) -> FloatArray:
-    """A square on its corner."""
-    return np.asarray(0.871126 / (np.abs(np.cos(angle)) + np.abs(np.sin(angle))))
-
-
-def _burst(angle: FloatArray) -> FloatArray:
-    """Eight rays."""
-    return np.asarray(0.55 + 0.9 * np.abs(angle * 8 / (2 * np.pi) % 1 - 0.5))
-
-
-OUTLINES = {
-    Symbol.CONTACT: Outline(16, np.ones_like),
-    Symbol.LISTENER: Outline(4, _diamond),
-    Symbol.SOURCE: Outline(48, np.ones_like),
-    Symbol.IMPACT: Outline(48, _burst),
-}
-"""From those that lie lowest on."""
 
 
 def _rounded(low: FloatArray, high: FloatArray, radius: float) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -75,16 +76,17 @@ class Mixdown:
         return self._renderer.render_frame(start, end.time, source_voices(end))
 
 
-def block_of(result: FrameResult) -> FloatArray | None:
-    """The samples (l, n) of a frame; rendered now if the trace left them out, as nothing played
+def with_block(result: FrameResult) -> FrameResult:
+    """A frame with its samples (l, n), rendered now if the trace left them out, as nothing played
     them."""
     before = result.before
     if result.block is not None or before is None:
-        return result.block
+        return result
     renderer = primed(
         listener_mixes(result.listeners), result.sample_rate, before.time, source_voices(before)
     )
-    return renderer.render_frame(before.time, result.time, source_voices(result))
+    block = renderer.render_frame(before.time, result.time, source_voices(result))
+    return replace(result, block=block)
 
 
 def primed(

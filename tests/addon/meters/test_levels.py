@@ -22,7 +22,7 @@ from haptic_tracing.core.contacts.settings import ContactSettings
 from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.render.history import History, still_samples
-from haptic_tracing.core.render.mixdown import block_of
+from haptic_tracing.core.render.mixdown import with_block
 from haptic_tracing.core.scene.body import BODY_PARTS
 from haptic_tracing.core.scene.body_map import HALF_WIDTH, HEIGHT, figure
 from haptic_tracing.core.scene.functions import Exponential
@@ -274,8 +274,8 @@ def test_frames_that_nobody_hears_are_left_out_and_rendered_when_asked_for():
     for result in results[2:]:
         times = (result.first_sample + np.arange(320)) / RATE
         wave = 0.5 * math.exp(-0.2) * np.sin(2 * np.pi * 100.0 * times)
-        assert block_of(result)[0] == pytest.approx(wave, abs=1e-12)
-    assert block_of(results[0]) is None
+        assert with_block(result).block[0] == pytest.approx(wave, abs=1e-12)
+    assert with_block(results[0]).block is None
 
 
 @pytest.mark.parametrize(

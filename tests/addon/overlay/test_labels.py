@@ -9,7 +9,8 @@ from haptic_tracing.addon.blender.text import shortened, text_width
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.hud import TEXT_SIZE
 from haptic_tracing.addon.view.label_placement import place_labels, project
-from haptic_tracing.addon.view.render_data import Options, Symbol, render_data
+from haptic_tracing.addon.view.render_data import Options, render_data
+from haptic_tracing.addon.view.symbols import Symbol
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Settings
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

@@ -13,9 +13,9 @@ from haptic_tracing.addon.view.render_data import (
     SILENT_COLOUR,
     SOURCE_COLOUR,
     Options,
-    Symbol,
     render_data,
 )
+from haptic_tracing.addon.view.symbols import Symbol
 from haptic_tracing.core.diagnosis.connections import path_steps
 from haptic_tracing.core.scene.values import Mode, Settings, SourceKind
 from hypothesis import HealthCheck, given, settings

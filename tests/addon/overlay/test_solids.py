@@ -7,19 +7,13 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.view import graph_mesh, shader, solids
+from haptic_tracing.addon.view import graph_mesh
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.colour_map import linear
-from haptic_tracing.addon.view.render_data import (
-    LAYERS,
-    NO_LINES,
-    POINT_SIZE,
-    Options,
-    Symbol,
-    render_data,
-)
+from haptic_tracing.addon.view.render_data import NO_LINES, Options, render_data
 from haptic_tracing.addon.view.solids import UPRIGHT, flat, solid_graph, tubes
+from haptic_tracing.addon.view.symbols import LOOKS, Symbol
 from mathutils import Vector
 
 from .conftest import BRIDGE, random_scene, traced
@@ -204,11 +198,9 @@ def test_labels_lie_where_the_overlay_has_them_before_everything_else(scene, cam
         assert camera.data.clip_start < depth < seen[:, 2].min() + 1e-6
 
 
-def test_every_symbol_has_its_layers_its_outline_and_its_distance():
-    """What the shader, and the meshes and the painter need of each symbol."""
-    symbols = set(Symbol) - {Symbol.LINE, Symbol.PLATE}
-    for table in (LAYERS, POINT_SIZE, solids.OUTLINES, shader._DISTANCES):
-        assert table.keys() == symbols
-    for rows in LAYERS.values():
-        insets = [inset for inset, _, _ in rows]
+def test_every_symbol_has_its_look():
+    """What the shader, the meshes and the painter need of each symbol."""
+    assert LOOKS.keys() == set(Symbol) - {Symbol.LINE, Symbol.PLATE}
+    for look in LOOKS.values():
+        insets = [inset for inset, _, _ in look.layers]
         assert insets == sorted(insets)
