@@ -118,6 +118,7 @@ def give_up(resume: bool = False) -> None:
     """
     worker.cancel()
     for session in sessions.every():
+        session.is_interrupted &= resume
         if session.begun is not None and not _ended_well(session.begun):
             _interrupted(session, resume)
 
