@@ -8,7 +8,7 @@ import threading
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.session import session, timeline, worker
+from haptic_tracing.addon.session import session, sessions, timeline, worker
 
 pytestmark = pytest.mark.usefixtures("as_events")
 
@@ -68,6 +68,8 @@ def test_a_frame_that_cannot_be_traced_is_named_and_the_next_one_is_traced(bench
     with pytest.raises(ValueError, match="Frame 7 can't be traced: Bench: no gain"):
         list(timeline.results(bench, *FRAMES))
     bench.frame_set(7)
+    assert session.of(bench).begun.exception() is not None
+    assert not sessions.is_behind(bench)
     assert session.result_of(bench) is None
     assert [problem.object for problem in session.problems_of(bench)] == ["", "dust"]
     assert session.problems_of(bench)[0].message == "Bench: no gain"
