@@ -22,36 +22,35 @@ def paint(canvas: FloatArray | Drawn, lines: Lines, scale: float = 1.0) -> None:
         colours[..., : canvas.shape[2]],
         lines.colour[:, 0, 3].tolist(),
         (lines.width * scale / 2).tolist(),
-        lines.shape.astype(np.int64).tolist(),
+        map(Symbol, lines.shape.astype(np.int64).tolist()),
         strict=True,
     ):
-        (x0, y0), (x1, y1) = np.minimum(start, end), np.maximum(start, end)
-        around = 1.0 if shape == Symbol.PLATE else radius + 1
-        left, bottom = (max(math.floor(at - around), 0) for at in (x0, y0))
-        last, top = (max(math.ceil(at + around), 0) for at in (x1, y1))
-        part = canvas[bottom:top, left:last]
-        y = np.arange(bottom, bottom + part.shape[0])[:, None] + 0.5
-        x = np.arange(left, left + part.shape[1]) + 0.5
-        if shape == Symbol.PLATE:
-            right = np.abs(x - (x0 + x1) / 2) - (x1 - x0) / 2 + radius
-            up = np.abs(y - (y0 + y1) / 2) - (y1 - y0) / 2 + radius
-            outside = np.hypot(np.maximum(right, 0), np.maximum(up, 0))
-            away = outside + np.minimum(np.maximum(right, up), 0) - radius
-            share = np.clip((x - x0) / max(x1 - x0, 1e-9), 0, 1)[:, None]
-            _cover(part, away, ends[0] + share * (ends[1] - ends[0]), opacity)
-        elif shape == Symbol.LINE:
-            way = end - start
-            along = (x - start[0]) * way[0] + (y - start[1]) * way[1]
-            share = np.clip(along / max(float(way @ way), 1e-12), 0, 1)
-            away = np.hypot(x - start[0] - share * way[0], y - start[1] - share * way[1]) - radius
-            _cover(part, away, ends[0], opacity)
-        else:
-            look = LOOKS[Symbol(shape)]
-            outline = look.radius(np.arctan2(y - y0, x - x0))
-            for inset, layer, cover in look.coloured(ends[0]):
+        around = 1.0 if shape is Symbol.PLATE else radius + 1
+        left, bottom = (max(math.floor(at - around), 0) for at in np.minimum(start, end).tolist())
+        right, top = (max(math.ceil(at + around), 0) for at in np.maximum(start, end).tolist())
+        part = canvas[bottom:top, left:right]
+        middle = (start + end) / 2
+        x = np.arange(left, left + part.shape[1]) + 0.5 - middle[0]
+        y = (np.arange(bottom, bottom + part.shape[0]) + 0.5 - middle[1])[:, None]
+        if shape in LOOKS:
+            outline = LOOKS[shape].radius(np.arctan2(y, x))
+            for inset, layer, cover in LOOKS[shape].coloured(ends[0]):
                 inner = max(radius - inset * scale, 0.0)
-                away = np.hypot(x - x0, y - y0) - inner * outline
-                _cover(part, away, layer, cover if inner else 0.0)
+                _cover(part, np.hypot(x, y) - inner * outline, layer, cover if inner else 0.0)
+            continue
+        # A line is a plate with round ends, turned.
+        way = end - start
+        length = float(np.hypot(*way))
+        half = np.array([length / 2, 0.0])
+        if shape is Symbol.PLATE:
+            half, length = np.abs(way) / 2 - radius, abs(float(way[0]))
+        elif length:
+            x, y = (x * way[0] + y * way[1]) / length, (y * way[0] - x * way[1]) / length
+        beside, above = np.abs(x) - half[0], np.abs(y) - half[1]
+        outside = np.hypot(np.maximum(beside, 0), np.maximum(above, 0))
+        away = outside + np.minimum(np.maximum(beside, above), 0) - radius
+        share = np.clip(x / max(length, 1e-9) + 0.5, 0, 1)[..., None]
+        _cover(part, away, ends[0] + share * (ends[1] - ends[0]), opacity)
 
 
 def _cover(
