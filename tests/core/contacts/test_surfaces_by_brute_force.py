@@ -104,6 +104,19 @@ def placed(mesh, matrix):
     return (points @ matrix[:3, :3].T + matrix[:3, 3])[triangles]
 
 
+@cache
+def solids_near_each_other(name_a, name_b):
+    """Two solids in each of twelve poses: the pose of the second (4, 4), the triangles of both, and
+    the distance between their surfaces by brute force."""
+    one, other = reference.SOLIDS[name_a], reference.SOLIDS[name_b]
+    random = np.random.default_rng(sum(map(ord, name_a + name_b)))
+    found = []
+    for matrix in near_poses(one, other, random, 12):
+        first, second = placed(one, np.eye(4)), placed(other, matrix)
+        found.append((matrix, first, second, reference.distance(first, second)))
+    return found
+
+
 PAIRS = list(itertools.combinations_with_replacement(sorted(reference.SOLIDS), 2))
 
 
@@ -113,14 +126,11 @@ PAIRS = list(itertools.combinations_with_replacement(sorted(reference.SOLIDS), 2
 def test_contacts_are_those_of_all_triangles(name_a, name_b, solid):
     """None is missed and none invented beyond 1 mm; distances of those apart are exact, those of
     solids that cross within their bounds."""
-    random = np.random.default_rng(sum(map(ord, name_a + name_b)))
     one, other = reference.SOLIDS[name_a], reference.SOLIDS[name_b]
     shapes = [Mesh(*mesh, sunk_in=SUNK_IN * solid) for mesh in (one, other)]
     most = min(SUNK_IN, *(np.ptp(points, axis=0).min() / 2 for points, _ in (one, other))) * solid
     apart = crossing = inside = 0
-    for matrix in near_poses(one, other, random, 12):
-        first, second = placed(one, np.eye(4)), placed(other, matrix)
-        gap = reference.distance(first, second)
+    for matrix, first, second, gap in solids_near_each_other(name_a, name_b):
         enclosed = solid and (
             reference.is_inside(second[:1, 0], first)[0]
             or reference.is_inside(first[:1, 0], second)[0]
