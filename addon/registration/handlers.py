@@ -24,6 +24,7 @@ from ..changes.suspension import is_stepped, is_suspended, steps_any
 from ..gateway import is_loaded
 from ..live_output import handlers as live_output
 from ..scene_reader import roles
+from ..scene_reader.present import traced_layer
 from ..session import session, sessions, worker
 from ..vr import handlers as vr
 from . import properties
@@ -52,7 +53,7 @@ def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
         for handler in bpy.app.handlers.frame_change_post
     )
     evaluation = _noted(depsgraph, is_last)
-    if is_suspended() or depsgraph.mode == "RENDER" or not _is_concerned(scene):
+    if is_suspended() or not _is_traced(depsgraph) or not _is_concerned(scene):
         return
     sessions.evaluation_ends()
     if is_stepped(scene):  # by a bake, an export or a script: every frame, whatever the settings
@@ -80,7 +81,7 @@ def depsgraph_update_post(scene: Scene, depsgraph: Depsgraph) -> None:
     """Trace the frame again after an edit; while the timeline plays, `frame_change_post` does
     it."""
     _noted(depsgraph)
-    if is_suspended() or is_stepped(scene) or depsgraph.mode == "RENDER" or is_playing():
+    if is_suspended() or is_stepped(scene) or not _is_traced(depsgraph) or is_playing():
         return
     mark_edited()
     _mark_changes(depsgraph)
@@ -167,6 +168,12 @@ def reread(*_: Any) -> None:
         session.recheck_shapes()
     mark_changed()
     _trace_soon()
+
+
+def _is_traced(depsgraph: Depsgraph) -> bool:
+    """Whether an evaluation is of the view layer that is traced: scripts and bakes that set a frame
+    evaluate every layer of the scene, and renders their own."""
+    return depsgraph.mode != "RENDER" and depsgraph.view_layer == traced_layer(depsgraph.scene)
 
 
 def _is_concerned(scene: Scene) -> bool:

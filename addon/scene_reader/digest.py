@@ -13,7 +13,6 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import ID, NodeTree, Object, PropertyGroup, Scene
@@ -28,7 +27,7 @@ from ..properties.drawing import AMPLITUDE, FREQUENCY
 from .deformation import deformation_of, drives_others, influence_of
 from .drawings import mapping_of, points_of
 from .plain_values import PLAIN_TYPES, TRANSFORM, checksum, plain, values_of, writable
-from .present import present_objects
+from .present import present_objects, traced_layer
 from .roles import is_tagged, regions_of
 from .triggers import marker_frames
 
@@ -230,11 +229,8 @@ def _influences(objects: Iterable[Object]) -> str:
 
 
 def _layer_objects(scene: Scene) -> Iterable[Object]:
-    """The objects that are there, at least in some frames, in the view layer that is traced: the
-    context's, if that is of the scene."""
-    layer = bpy.context.view_layer
-    if layer is None or bpy.context.scene != scene:
-        layer = scene.view_layers[0]
+    """The objects that are there, at least in some frames, in the view layer that is traced."""
+    layer = traced_layer(scene)
     present = set(present_objects(layer).tolist())
     return [
         obj

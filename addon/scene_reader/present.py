@@ -1,14 +1,26 @@
-"""Which objects of a scene are there."""
+"""Which view layer of a scene is traced, and which objects are there."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+import bpy
 import numpy as np
-from bpy.types import Collection, LayerCollection, ViewLayer
+from bpy.types import Collection, LayerCollection, Scene, ViewLayer
 from numpy.typing import NDArray
 
 from ..blender.arrays import read_array
+
+
+def traced_layer(scene: Scene) -> ViewLayer:
+    """The view layer of a scene that is traced: the context's, else the one that a window shows,
+    else the first."""
+    context = bpy.context
+    if context.scene == scene and context.window is not None and context.view_layer is not None:
+        return context.view_layer
+    windows = context.window_manager.windows
+    shown = (window.view_layer for window in windows if window.scene == scene)
+    return next(shown, scene.view_layers[0])
 
 
 def present_objects(layer: ViewLayer) -> NDArray[np.int32]:
