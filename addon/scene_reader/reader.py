@@ -343,6 +343,8 @@ class SceneReader:
         if not self._is_instance_moved or self._session_ids is None or self._lists is None:
             return True
         self._is_instance_moved = False
+        if self._problems_of_instances:  # one without a shape may have one now
+            return False
         started = perf_counter()
         matrices = self._instances.moved(depsgraph)
         if matrices is None or not self._unchecked.isdisjoint(self._instances.shown):
@@ -367,8 +369,14 @@ class SceneReader:
         problems: dict[Problem, None] = {}
         for found in haptic_instances(depsgraph):
             owner, name = found.owner, found.name
+            instancers.add(found.instancer.session_uid)
+            if found.shown.original is not None and found.shown.original != found.instancer:
+                shown.add(found.shown.original.session_uid)
             stretch = self._stretch(-1, rigid_transforms(found.matrix[None])[1][0])
             data = 0 if found.shown.data is None else found.shown.data.as_pointer()
+            if np.isnan(stretch).any():
+                problems[_lost(owner)] = None
+                continue
             key = owner.session_uid, data, *stretch.tolist()
             try:
                 if owner.session_uid not in objects:
@@ -389,17 +397,14 @@ class SceneReader:
             )
             places.append(found.place)
             matrices.append(found.matrix)
-            instancers.add(found.instancer.session_uid)
-            if found.shown.original is not None and found.shown.original != found.instancer:
-                shown.add(found.shown.original.session_uid)
         self._problems_of_instances = tuple(problems)
         self._instances = NONE
-        if places:
+        if instancers:
             identity = read_array(depsgraph.object_instances, "persistent_id", 8, np.int32)
             self._instances = Instances(
                 identity,
-                np.array(places),
-                np.array(matrices),
+                np.array(places, dtype=np.int64),
+                np.array(matrices, dtype=np.float32).reshape(-1, 16),
                 frozenset(instancers),
                 frozenset(shown),
             )
@@ -575,6 +580,10 @@ class SceneReader:
         problems: list[Problem] = []
         haptic_object = body = surface = home = source = listener = None
         stretch = self._stretch(row, stretch)
+        animated = compatibility.animated_paths(obj)
+        if np.isnan(stretch).any():
+            nothing = (None,) * 6
+            return Tagged(row, animated, tuple(stretch.tolist()), *nothing, (_lost(obj),))
         if haptics.enabled:
             try:
                 surface = self._shape(obj, depsgraph, stretch)
@@ -613,7 +622,6 @@ class SceneReader:
                         name, str(error).replace("mixing_expression", "the mixing formula"), rule
                     )
                 )
-        animated = compatibility.animated_paths(obj)
         return Tagged(
             row,
             animated,
@@ -726,10 +734,11 @@ def _tagged_above(obj: Object, tagged: Container[int]) -> Object | None:
 
 
 def _differ(stretches: FloatArray, known: FloatArray) -> BoolArray:
-    """Whether stretches (n, 6) differ from those ``known`` (n, 6) by more than rounding, (n,)."""
+    """Whether stretches (n, 6) differ from those ``known`` (n, 6) by more than rounding, or are no
+    numbers, (n,)."""
     limits = 1e-5 * np.abs(known)
     limits[:, 3:] = limits[:, :3].max(axis=1, keepdims=True)
-    return np.asarray(np.any(np.abs(stretches - known) > limits, axis=1))
+    return np.asarray(~np.all(np.abs(stretches - known) <= limits, axis=1))
 
 
 def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
@@ -751,6 +760,15 @@ def _is_as_imported(obj: Object, stretch: FloatArray) -> bool:
         and not obj.haptics.is_property_set("surface")
         and bool(np.all(np.abs(stretch - (1, 1, 1, 0, 0, 0)) < 2e-5))
     )
+
+
+def _lost(obj: Object) -> Problem:
+    """The problem of an object whose world matrix is not finite."""
+    words = iface_(
+        "its location, rotation or scale is not a number: look for a constraint, simulation or "
+        "script that fails"
+    )
+    return Problem(obj.name_full, words)
 
 
 def _without_carrier(obj: Object, role: str) -> Problem:

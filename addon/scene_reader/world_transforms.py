@@ -45,9 +45,12 @@ def in_metres(matrices: NDArray[np.float32], metres: float) -> NDArray[np.float3
 def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
     """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and stretches (n, 6): the scales
     along x, y and z, negative where mirrored, and the shears of y along x, of z along x and of z
-    along y. Objects are sheared by a parent whose scale differs from axis to axis.
+    along y. Objects are sheared by a parent whose scale differs from axis to axis. Of a
+    matrix that is not finite, the transform is 0 and the stretch is not a number.
     """
     columns = raw.T.astype(np.float64, order="C").reshape(4, 4, -1)
+    lost = ~np.isfinite(columns).all(axis=(0, 1))
+    columns[:, :, lost] = 0.0
     axes = columns[:3, :3]
     scales = np.sqrt((axes * axes).sum(axis=1))
     x, y, z = axes
@@ -63,6 +66,7 @@ def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
     shears = np.abs([(x * y).sum(axis=0), (x * z).sum(axis=0), (y * z).sum(axis=0)])
     for k in np.flatnonzero(shears.max(axis=0) > _SHEARED).tolist():
         axes[:, :, k], stretches[:, k] = _unsheared(axes[:, :, k] * scales[:, k, None])
+    stretches[:, lost] = np.nan
     return columns.transpose(2, 1, 0).copy(), stretches.T
 
 
