@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bpy
 import numpy as np
 from bpy.types import Object, Scene
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from ...core.formats.tracks.envelopes import vibration_envelope
 from ...core.formats.tracks.listener_tracks import Row
 from ..blender import compatibility
 from ..blender.arrays import write_keys
+from ..blender.full_names import object_named
 from .track import HapticTrack
 
 INTENSITY, FREQUENCY = "haptics.felt.intensity", "haptics.felt.frequency"
@@ -57,9 +57,5 @@ def felt(track: HapticTrack, index: int) -> tuple[NDArray[np.float32], NDArray[n
 
 
 def _object(scene: Scene, full_name: str) -> Object | None:
-    obj = bpy.data.objects.get(full_name)
-    return (
-        obj
-        if obj is not None and obj.name in scene.objects
-        else next((o for o in scene.objects if o.name_full == full_name), None)
-    )
+    obj = object_named(full_name)
+    return obj if obj is not None and obj.name in scene.objects else None

@@ -12,13 +12,13 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-import bpy
 from bpy.types import Object, Scene
 
 from ...core.devices.mapping import Place, map_listeners
 from ...core.forms import JsonObject
 from ...core.scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...core.scene.values import Listener
+from ..blender.full_names import object_named
 from ..blender.single_precision import shortest
 from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
 from ..properties.sound import device_profiles
@@ -33,7 +33,7 @@ EXTRAS = "blender"
 def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[DeviceMapping, ...]:
     """The devices of a scene, ordered by name, with the ``listeners`` that their actuators play."""
     settings = scene.haptics.live_output.devices
-    choices = {item.name: _choice(bpy.data.objects.get(item.name)) for item in listeners}
+    choices = {item.name: _choice(object_named(item.name)) for item in listeners}
     named = {place.device for choice in choices.values() for place in places_of(choice) or ()}
     names = sorted({*settings.keys(), *named} - {""})
     kept = {

@@ -12,6 +12,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Scene
 
+from ..blender.full_names import object_named
 from ..blender.handlers import Handlers
 from ..blender.time import frame_seconds, seconds_of
 from ..changes import revisions
@@ -185,7 +186,7 @@ def choices(result: Any) -> dict[str, str]:
 
 @lru_cache(maxsize=1)
 def _choices(revision: int, listeners: tuple[str, ...]) -> dict[str, str]:
-    objects = ((name, bpy.data.objects.get(name)) for name in listeners)
+    objects = ((name, object_named(name)) for name in listeners)
     found = {name: obj.haptics.live_output.actuators for name, obj in objects if obj is not None}
     return {name: actuators for name, actuators in found.items() if actuators}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import bpy
 from bpy.types import Object, Scene
 
 from ...core.contacts.settings import Motion
@@ -12,6 +11,7 @@ from ...core.declaration import Curve
 from ...core.scene.materials import named_in
 from ...core.scene.values import HapticObject, Listener, Source, SourceKind
 from ...core.signals import impact_material
+from ..blender.full_names import object_meant, object_named
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
@@ -62,9 +62,11 @@ def read_source(
     properties = obj.haptics.source
     stored = stored_item(properties.imported, "source")
     values = {**read_values(Source, properties, stored), "triggers": None}
-    second = bpy.data.objects.get(values.get("second_object") or "")
+    second = object_meant(values.get("second_object") or "", obj)
     if second is None or not second.haptics.enabled or second.name_full == carrier:
         values["second_object"] = values["second_position"] = None
+    else:
+        values["second_object"] = second.name_full
     signal = (
         stored.get("signal") if properties.signal == "KEPT" else read_signal(properties, *curves)
     )
@@ -79,7 +81,7 @@ def read_source(
 def calibrated(listener: Listener) -> Listener:
     """A listener of a track with the calibration that the object of its name has now: a track has
     none, because calibrations belong to the device that plays it."""
-    obj = bpy.data.objects.get(listener.name)
+    obj = object_named(listener.name)
     if obj is None or not obj.haptics.listener.full_scale:
         return listener
     held = obj.haptics.listener

@@ -13,6 +13,7 @@ from ...core.scene.rule_table import Side
 from ...core.scene.values import Pose, Trigger, TriggerKind
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
+from ..blender.full_names import name_for, object_meant
 from ..blender.time import seconds_of
 from ..blender.units import metres_per_unit
 from .imported import stored_item
@@ -70,8 +71,8 @@ def marker_frames(scene: Scene, pattern: str) -> tuple[int, ...]:
 def region_of(source: Any, scene: Scene) -> dict[str, Any]:
     """Pose and size of the region of a source, for its triggers in the current frame; a plane
     without a region."""
-    region = scene.objects.get(source.trigger_region)
-    if region is None:
+    region = object_meant(source.trigger_region, source.id_data)
+    if region is None or region.name not in scene.objects:
         return {}
     place, rotation, scale = region.matrix_world.decompose()
     corners = np.array([corner[:] for corner in region.bound_box])
@@ -128,20 +129,18 @@ def _of_property(obj: Object, scene: Scene, faults: list[tuple[str, str]]) -> It
 def _passing(source: Any, scene: Scene, faults: list[tuple[str, str]]) -> Iterator[Trigger]:
     name, region = source.trigger_object, source.trigger_region
     side = Side(object=name)
-    found = [
-        obj.name_full
+    names = (
+        (obj.name_full, name_for(obj, source.id_data))
         for obj in scene.objects
-        if obj.haptics.enabled and obj.name != region and side.fits(obj.name_full, "")
-    ]
+        if obj.haptics.enabled
+    )
+    found = [full for full, meant in names if meant != region and side.fits(meant, "")]
     if name and not found:
         faults.append(
             ("trigger_object", iface_("no haptic object '{}' can come into it").format(name))
         )
-    if region in scene.objects:
-        yield from (
-            Trigger(TriggerKind.PASSING, object=mover, **region_of(source, scene))
-            for mover in found
-        )
+    if place := region_of(source, scene):
+        yield from (Trigger(TriggerKind.PASSING, object=mover, **place) for mover in found)
     elif region or name:
         missing = (
             iface_("there is no object '{}'").format(region)

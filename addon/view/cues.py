@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import bpy
 import numpy as np
 from bpy.types import Context
 
 from ...core.arrays import FloatArray
+from ..blender.full_names import object_named
 from ..blender.words import ui_text
 from . import paths
 from .hud import Rectangle
@@ -40,7 +40,7 @@ def cues_of(context: Context, perspective: FloatArray, free: Rectangle) -> tuple
     names = (fall.source.name, *(hop.object for hop in fall.hops), fall.listener)
     found = []
     for name in dict.fromkeys(names):
-        obj = bpy.data.objects.get(name)
+        obj = object_named(name)
         if obj is not None:
             place, arrow = _place(
                 np.array([*obj.matrix_world.translation, 1.0]),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import bpy
 from bpy.types import Scene
 
 from ...core.diagnosis.gaps import Surroundings
@@ -12,6 +11,7 @@ from ...core.diagnosis.silence import reasons
 from ...core.frozen import frozen
 from ...core.message import Message
 from ...core.scene.values import Listener, Source
+from ..blender.full_names import object_named
 from ..blender.time import is_playing
 from ..blender.words import ui_text
 from ..scene_reader.roles import is_silenced, solo_roles
@@ -94,6 +94,6 @@ def why_silent(scene: Scene, listener: str) -> Explanation:
 
 def _silenced(items: Sequence[Source] | Sequence[Listener], role: str) -> frozenset[str]:
     """The names of the sources or listeners that are muted or not solo."""
-    found = [obj for obj in (bpy.data.objects.get(item.name) for item in items) if obj is not None]
+    found = [obj for obj in (object_named(item.name) for item in items) if obj is not None]
     solo = solo_roles(found)
     return frozenset(obj.name_full for obj in found if is_silenced(obj, role, solo))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import bpy
 from bpy.types import Scene
 
 from ...core.render.frame_result import FrameResult
+from ..blender.full_names import object_named
 from .render_data import Options
 from .watched import active_name, watched
 
@@ -29,9 +29,5 @@ def options_of(scene: Scene, result: FrameResult) -> Options:
 
 
 def _is_selected(full_name: str) -> bool:
-    obj = bpy.data.objects.get(full_name)
-    if obj is None and full_name.endswith("]"):
-        name, _, library = full_name[:-1].rpartition(" [")
-        linked = bpy.data.libraries.get(library)
-        obj = bpy.data.objects.get((name, linked.filepath)) if linked is not None else None
+    obj = object_named(full_name)
     return obj is not None and obj.select_get()
