@@ -37,6 +37,7 @@ BED_TOP = 2 * SUNK
 TABLE_HEIGHT = 0.92
 BENCH_Y = -0.70
 BAR = Vector((-0.30, -0.62, TABLE_HEIGHT + 0.16))  # middle of its upper side
+GRIP = BAR + Vector((0.0, 0.225, 0.026))  # middle of the file's handle, at its upper side
 STROKE = math.radians(9)
 BALL, BALL_Y, BALL_X = 0.045, -0.60, (0.08, 0.62)
 STEP = math.radians(6)
@@ -128,16 +129,16 @@ def _add_worker(scene: Scene) -> Avatar:
     """The avatar, its left foot on the gravel, the right hand on the file's handle, the left one on
     the bench."""
     up = Vector((0.0, 0.0, BED_TOP - SUNK))
-    grip = BAR + Vector((0.0, 0.225, 0.026)) - up
     left = Hand(
         Vector((0.36, BENCH_Y + 0.20, TABLE_HEIGHT - 2 * SUNK)) - up, Vector((-0.25, -1.0, -0.08))
     )
-    right = Hand(grip, Vector((0.12, -1.0, -0.12)))
+    right = Hand(GRIP - up, Vector((0.12, -1.0, -0.12)))
     return build_avatar(scene, standing(left, right), tuple(up), moving=True)
 
 
 def _add_file(scene: Scene, avatar: Avatar, steel: Material) -> None:
-    """A rough file that goes to and fro over a bar in a vice, with the right arm."""
+    """A rough file that goes to and fro over a bar in a vice, with the right arm, whose hand stays
+    at the height of the handle."""
     bar = place(
         scene, "Bar", box((0.06, 0.024, 0.16), 0.002), (steel,), BAR - Vector((0.0, 0.0, 0.08))
     )
@@ -174,15 +175,28 @@ def _add_file(scene: Scene, avatar: Avatar, steel: Material) -> None:
         frame: Matrix.Rotation(angle, 3, "X") @ (elbow - shoulder) - (elbow - shoulder)
         for frame, angle in angles.items()
     }
+    forearm = (GRIP - avatar.root.location - elbow).yz
+    held = {frame: _at_height(forearm, forearm.y - way.z) for frame, way in moved.items()}
     animate(
         turning, "rotation_euler", {frame: (angle, 0.0, 0.0) for frame, angle in angles.items()}
     )
     animate(following, "location", {frame: tuple(elbow + way) for frame, way in moved.items()})
     animate(
+        following,
+        "rotation_euler",
+        {frame: (way.angle_signed(forearm), 0.0, 0.0) for frame, way in held.items()},
+    )
+    strokes = {frame: way.y + held[frame].x - forearm.x for frame, way in moved.items()}
+    animate(
         file,
         "location",
-        {frame: tuple(file.location + Vector((0.0, way.y, 0.0))) for frame, way in moved.items()},
+        {frame: tuple(file.location + Vector((0.0, y, 0.0))) for frame, y in strokes.items()},
     )
+
+
+def _at_height(way: Vector, height: float) -> Vector:
+    """A way (y, z), turned so that it has a height."""
+    return Vector((math.copysign(math.sqrt(way.length_squared - height * height), way.x), height))
 
 
 def _carry(carrier: Object, parts: list[Object]) -> None:

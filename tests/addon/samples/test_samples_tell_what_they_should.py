@@ -278,7 +278,7 @@ def test_what_slides_and_rolls_is_felt_by_whom_it_is_about_and_silent_at_rest(bu
     """The wheel's fundamental is its speed over the period of the rail; a start and an end of a
     tenth of the time each are slower."""
     scene = build("sliding_and_rolling")
-    sections, waves, names = sliding_and_rolling.SECTIONS, {}, {}
+    sections, waves, names, held = sliding_and_rolling.SECTIONS, {}, {}, []
     for result in results(scene, 1, scene.frame_end):
         assert not result.impacts
         (section,) = [
@@ -291,6 +291,10 @@ def test_what_slides_and_rolls_is_felt_by_whom_it_is_about_and_silent_at_rest(bu
         else:
             waves.setdefault(section, []).append(result.block)
             names.setdefault(section, set()).update(source.name for source in result.sources)
+        if section == "File":
+            held += result.gains[:, listener(result, "hand.R")].tolist()
+    # The hand never lets go of the file.
+    assert 20 * np.log10(max(held) / min(held)) < 1.0
     assert all(
         "sliding on" in name for section in ("File", "Shoe", "Crate") for name in names[section]
     )
