@@ -109,13 +109,12 @@ class _Faces:
 
 @frozen
 class _Lying:
-    """Faces that lie on each other: the number ``face`` (n,) of the two, their signed distance
-    ``depth`` (n,) [m] along the ``axis`` (3, n), and which have passed ``under`` each other."""
+    """Faces that lie on each other: the number ``face`` (n,) of the two, and their signed distance
+    ``depth`` (n,) [m] along the ``axis`` (3, n)."""
 
     face: IntArray
     depth: FloatArray
     axis: FloatArray
-    under: BoolArray
 
 
 class SurfacePairs:
@@ -506,12 +505,15 @@ class SurfacePairs:
         order = lying.face.argsort()
         lying = chosen_of(lying, order)
         patch = chosen_of(patch, order)
-        under = lying.under.nonzero()[0]
-        through = way[lying.face[under]]
-        dropped = np.zeros(len(lying.face), dtype=np.bool_)
-        for k in np.intersect1d(through[through % 2 == 0], through[through % 2 == 1] - 1).tolist():
-            ways = [under[through == side] for side in (k, k + 1)]
-            dropped[max(ways, key=lambda side: float(-lying.depth[side].min()))] = True
+        side = way[lying.face]
+        sunk = lying.depth < -_TOUCHING
+        through = np.zeros((len(pairs), 2), dtype=np.bool_)
+        through.reshape(-1)[side[sunk]] = True
+        deepest = np.zeros((len(pairs), 2))
+        np.minimum.at(deepest.reshape(-1), way, faces.bound)
+        farther = 2 * np.arange(len(pairs)) + deepest.argmin(axis=1)
+        both = np.asarray(through.all(axis=1))
+        dropped = sunk & both[side // 2] & (side == farther[side // 2])
         lying = chosen_of(lying, ~dropped)
         patch = chosen_of(patch, ~dropped)
         rows = self._placed(several, chosen_of(faces, lying.face))
@@ -570,7 +572,7 @@ class SurfacePairs:
         valid[asked] = self._overlap(
             chosen_of(pairs, faces.pair[asked]), ends[0][:, asked], ends[1][:, asked]
         )
-        lying = _Lying(chosen[over], depth, axis, under)
+        lying = _Lying(chosen[over], depth, axis)
         return chosen_of(lying, valid), chosen_of(patch, valid)
 
     def _crossing(self, row: CorePairs) -> _CrossingCurve | None:
@@ -592,6 +594,11 @@ class SurfacePairs:
         for core, corners, sign in ((row.first, first, 1.0), (row.second, second, -1.0)):
             if self._surfaces[int(core[0])].depth > 0:
                 outwards += sign * (unit_normals(corners) * length).sum(axis=1)
+        sizes = float(np.linalg.norm(area)) * total
+        if any(surface.depth == 0 for surface in self._both(row)) and (
+            area @ outwards < -_OPEN * sizes
+        ):
+            area = -area  # by the sense of a shell's triangles, whose sides are alike
         normal = area + _OPEN * total * outwards
         normal /= max(float(np.linalg.norm(normal)), 1e-300)
         extent = float(np.ptp(middle[:, used], axis=1).max() + length.max())

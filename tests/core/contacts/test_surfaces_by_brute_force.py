@@ -203,6 +203,82 @@ def test_a_box_on_a_slab(parts, below, gap):
     assert area == pytest.approx(0.12, rel=1e-4)
 
 
+def uneven(random, flipped):
+    """A shell of 2 m by 2 m with waves of up to a centimetre, its triangles seen from either
+    side."""
+    cells = int(random.integers(4, 24))
+    along = np.linspace(-1, 1, cells + 1)
+    x, y = (each.reshape(-1) for each in np.meshgrid(along, along, indexing="ij"))
+    height = 10 ** random.uniform(-3.3, -2)
+    waves = height * np.sin(7 * x + random.uniform(0, 6)) * np.cos(5 * y)
+    corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).reshape(-1)
+    beside, across = corner + cells + 1, corner + cells + 2
+    triangles = np.concatenate(
+        [np.stack([corner, beside, across], 1), np.stack([corner, across, corner + 1], 1)]
+    )
+    return np.stack([x, y, waves], 1), triangles[:, ::-1] if flipped else triangles
+
+
+def highest_under(points, triangles, base):
+    """The height of the highest point of a surface above a convex base (k, 2), counter-clockwise:
+    the triangles, clipped to it (Sutherland and Hodgman)."""
+    heights = []
+    for polygon in map(list, points[triangles]):
+        for start, end in zip(base, np.roll(base, -1, axis=0), strict=True):
+            across = np.array([start[1] - end[1], end[0] - start[0]])
+            side = [float(across @ (corner[:2] - start)) for corner in polygon]
+            clipped = []
+            for k, corner in enumerate(polygon):
+                before, height = polygon[k - 1], side[k - 1]
+                if (height >= 0) != (side[k] >= 0):
+                    clipped.append(before + (corner - before) * (height / (height - side[k])))
+                if side[k] >= 0:
+                    clipped.append(corner)
+            polygon = clipped
+        heights += [corner[2] for corner in polygon]
+    return max(heights)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("flipped", [False, True])
+def test_a_block_on_uneven_ground_lies_on_the_highest_point_under_it(flipped):
+    """However deep it has sunk beside the waves, it leaves the ground upwards."""
+    random = np.random.default_rng(4)
+    for _ in range(60):
+        points, triangles = uneven(random, flipped)
+        size = random.uniform(0.1, 0.5, 3)
+        angle, (x, y) = random.uniform(0, 2 * np.pi), random.uniform(-0.6, 0.6, 2)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        base = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size[:2] / 2 @ turn.T + (x, y)
+        depth = random.uniform(0.0, 2.0) * np.ptp(points[:, 2])
+        height = highest_under(points, triangles, base) - depth
+        whole = np.eye(3)
+        whole[:2, :2] = turn
+        distance, normal, centre, _ = query(
+            Mesh(points, triangles),
+            Mesh(*reference.box(tuple(size), int(random.integers(1, 5))), sunk_in=SUNK_IN),
+            np.eye(4),
+            pose((x, y, height + size[2] / 2), whole),
+        )
+        # Along the steepest part of the waves rather than upwards.
+        assert -depth <= distance + 1e-6 and distance <= -depth * 0.95 + 1e-4
+        assert normal[2] > 0.97
+        assert abs(centre[2] - height) < depth + BAND
+
+
+@pytest.mark.parametrize("flipped", [False, True])
+def test_a_leaning_corner_leaves_a_shell_by_the_side_it_came_from(flipped):
+    """Also where no faces lie on each other, and whichever way the shell's triangles run."""
+    points = np.array([[0, 0, 0], [0.3, 0.1, 0.2], [0.5, -0.1, 0.2], [0.4, 0.1, 0.4]])
+    solid = Mesh(points, [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]], sunk_in=SUNK_IN)
+    around = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    shell = Mesh(around, faces[:, ::-1] if flipped else faces)
+    _, normal, centre, _ = query(shell, solid, np.eye(4), pose((0.1, 0.2, -0.01)))
+    np.testing.assert_allclose(normal, [0, 0, 1], atol=1e-3)
+    assert np.linalg.norm(centre - [0.12, 0.2, 0]) < 0.02
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("parts", [1, 6])
 def test_patches_are_continuous(parts):
