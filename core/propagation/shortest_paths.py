@@ -19,6 +19,12 @@ one comparison. The argument does not cover y = e. That single connection is rel
 matters (`complete`): for the cost from e to a root by a path that does not lead back through e's
 own contact, and where the object beyond that contact has a function of another form. Otherwise no
 shortest path returns to the contact of a cheaper entry.
+
+Where waves spread, more entries drop out, those of a ground on which bodies conduct better than
+itself. Let E(x) be less than A(x) - a. It can lower the cost of y only if the detour ``m(e, x) +
+m(x, y) - m(e, y)`` is less than ``A(x) - a - E(x)``. As m is a concave function of distance, the
+detour grows with the distance from x to y, and is least where x lies between e and y. Where even
+that of a node as near as the nearest one is too long, x drops out (`_improving`).
 """
 
 from __future__ import annotations
@@ -35,7 +41,8 @@ from ..arrays import BoolArray, FloatArray, IntArray, ranges
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from ..scene.functions.spreading import Law
-from .connections import intra_costs
+from .connections import SLACK, intra_costs
+from .spacing import spacing
 
 BATCH = 1 << 15
 """Connections relaxed in one vectorised step: enough to outweigh its overhead, few enough that
@@ -174,6 +181,7 @@ class _Relaxation:
         )
         self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
         self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
+        self.spacing: FloatArray | None = None  # made when it is worth it
 
     def table_index(self, row: IntArray, node: IntArray) -> IntArray:
         """Index of a node in the arrays that hold one table after the other, for the table by which
@@ -269,6 +277,13 @@ def _relax_cheapest(
         base = base[kept]
     if len(row):
         size = work.others[node]
+        if size.sum() > BATCH and not (work.complete or work.is_vast):
+            kept = _improving(work, row, node, base)
+            row = row[kept]
+            node = node[kept]
+            cost = cost[kept]
+            base = base[kept]
+            size = size[kept]
         if size.sum() > BATCH:
             order = np.lexsort((node, row, cost))
             now = max(1, int(size[order].cumsum().searchsorted(BATCH, side="right")))
@@ -290,6 +305,30 @@ def _relax_cheapest(
         return row, node, cost
     rows, nodes, costs = zip(*batches, strict=True)
     return np.concatenate(rows), np.concatenate(nodes), np.concatenate(costs)
+
+
+def _improving(work: _Relaxation, row: IntArray, node: IntArray, base: FloatArray) -> IntArray:
+    """Numbers of those entries that may lower costs in their object, given by row, node, and cost
+    with the constant loss of the object (k,)."""
+    graph = work.graph
+    spreading = graph.table.spreading
+    if spreading is None:
+        return np.arange(len(row))
+    if work.spacing is None:
+        work.spacing = spacing(graph)
+    before = work.entry[row, node]
+    known = (before >= 0) & (work.spacing[node] > 0)
+    if graph.fronts is not None:
+        run = graph.fronts[0]
+        known &= (run[node] == 0) & (run[before] == 0)
+    chosen = known.nonzero()[0]
+    nodes = node[chosen]
+    detour = spreading.detour(
+        graph.node_object[nodes], work.distances(before[chosen], nodes), work.spacing[nodes]
+    )
+    arrival = work.arrival[row[chosen], nodes]
+    known[chosen] = base[chosen] + detour > arrival + SLACK * (1 + arrival)
+    return (~known).nonzero()[0]
 
 
 def _relax(

@@ -97,6 +97,11 @@ class Spreading:
             return np.asarray(exponent * np.log1p(np.minimum(distance, extent) / reference))
         return self._unbounded(index, np.minimum(distance, self._laws[4].take(index)))
 
+    def detour(self, index: IntArray, one: FloatArray, other: FloatArray) -> FloatArray:
+        """By how much the cost over two distances exceeds that over their sum, in objects ``index``
+        (n,); it grows with each of the distances."""
+        return self.cost(index, one) + self.cost(index, other) - self.cost(index, one + other)
+
     def _unbounded(self, index: IntArray | int, run: FloatArray) -> FloatArray:
         """The cost over a run [m] of waves that go on beyond ``over``."""
         exponent, reference, extent, width, _ = self._laws.take(index, axis=1)
