@@ -15,12 +15,23 @@ from ..scene.bands import BAND_COUNT
 from ..scene.choices import Mode, SourceKind, Strategy
 from ..scene.values import Settings
 from .best_path import BestPaths, best_paths, crossings_of, gain_and_error, most_connections
-from .connections import LARGEST, ROUNDING, amplifying, bounded_exp, joined, lanes_of, path_delay
+from .connections import (
+    LARGEST,
+    ROUNDING,
+    SLACK,
+    amplifying,
+    bounded_exp,
+    cost_limit,
+    joined,
+    lanes_of,
+    path_delay,
+)
 from .energy_balance import energy_gains
-from .exact import PathLimits, ThresholdCosts, bounded_sums, path_gain, threshold_costs
+from .exact import PathLimits, bounded_sums
 from .mean_power import over_volumes
 from .modes import direct_gains, localised, nearest_listener
 from .result import Propagation
+from .shortest_paths import ShortestPaths, shortest_paths
 from .strongest_paths import delay_taps
 from .walk_radius import WalkOperator, WalkRadius
 
@@ -111,6 +122,7 @@ class _Propagator:
         self.graph, self.settings, self.strategies = graph, settings, strategies
         self.wanted, self.budget, shape = wanted, budget, wanted.shape
         self.gain, self.error = np.zeros((2, *shape))
+        self.best_gain = np.zeros((*shape, lanes_of(graph)))  # plain gain, and those of the bands
         self.paths = np.zeros(shape, dtype=np.int64)
         self.limited = np.zeros(shape, dtype=np.bool_)
         self.bands = np.zeros((*shape, BAND_COUNT)) if graph.uses_bands else None
@@ -123,13 +135,18 @@ class _Propagator:
             for row, strategy in enumerate(self.strategies)
             if strategy is Strategy.ALL_PATHS and self.wanted[row].any()
         ]
-        known = None
+        trees: dict[int, tuple[ShortestPaths, int]] = {}
+        costs: dict[int, tuple[FloatArray, FloatArray]] = {}
         if rows and self.settings.threshold > 0 and not amplified:
-            known = threshold_costs(
-                graph, [graph.sources[row].nodes for row in rows], self.settings.threshold
-            )
-        best = self._best_paths(amplified, known, rows)
-        sums = self._sum_over_paths(best, known, rows)
+            # From each source, and from all listeners together.
+            ends = [*(graph.sources[row].nodes for row in rows), graph.listener_nodes.tolist()]
+            limit = np.full(len(ends), cost_limit(self.settings.threshold) + SLACK)
+            found = shortest_paths(graph, ends, limit, complete=True)
+            forward = ShortestPaths(found.cost[:-1], found.entry[:-1], found.relaxed)
+            trees = {row: (forward, number) for number, row in enumerate(rows)}
+            costs = {row: (forward.cost[number], found.cost[-1]) for number, row in enumerate(rows)}
+        best = self._best_paths(amplified, trees)
+        sums = self._sum_over_paths(costs, rows)
         self._balance_energy()
         delays = graph.uses_delays
         return Propagation(
@@ -155,15 +172,11 @@ class _Propagator:
         )
 
     def _best_paths(
-        self, amplified: bool, known: ThresholdCosts | None, rows: list[int]
+        self, amplified: bool, trees: dict[int, tuple[ShortestPaths, int]]
     ) -> BestPaths:
-        """Best paths of all wanted pairs; sets the gains of sources with that strategy."""
+        """Best paths of all wanted pairs; sets the gains of sources with that strategy. ``trees``:
+        shortest paths that are known, and the row in them, by row of the source."""
         graph = self.graph
-        trees = (
-            {}
-            if known is None
-            else {row: (known.forward, number) for number, row in enumerate(rows)}
-        )
         by_band = graph.uses_bands and not amplified
         best = best_paths(
             graph,
@@ -184,12 +197,16 @@ class _Propagator:
         )
         pairs = np.array(list(best.nodes), dtype=np.int64).reshape(-1, 2)
         mine = chosen[pairs[:, 0]]
+        gains = np.array([bounded_exp(-cost) for cost in best.cost.values()]).reshape(-1, 1)
+        if best.bands is not None:
+            gains = np.concatenate([gains, gains * best.bands], axis=1)
+        self.best_gain[tuple(pairs.T)] = gains
         places = tuple(pairs[mine].T)
-        self.gain[places] = np.array([bounded_exp(-cost) for cost in best.cost.values()])[mine]
+        self.gain[places] = gains[mine, 0]
         self.paths[places] = 1
         self.error[self.gain >= LARGEST] = LARGEST
         if self.bands is not None and best.bands is not None:
-            self.bands[places] = self.gain[places][:, None] * best.bands[mine]
+            self.bands[places] = gains[mine, 1:]
         for pair, bound in best.bound.items():
             if chosen[pair[0]]:
                 self.gain[pair], self.error[pair] = gain_and_error(best.cost.get(pair), bound)
@@ -204,9 +221,10 @@ class _Propagator:
         return best
 
     def _sum_over_paths(
-        self, best: BestPaths, known: ThresholdCosts | None, rows: list[int]
+        self, costs: dict[int, tuple[FloatArray, FloatArray]], rows: list[int]
     ) -> _Sums:
-        """Set the gains of sources whose strategy is all paths."""
+        """Set the gains of the sources in ``rows``, whose strategy is all paths. ``costs``: least
+        ones up to the threshold, as in `bounded_sums`, by row of the source."""
         graph, settings = self.graph, self.settings
         sums = _Sums()
         crossings = crossings_of(most_connections(settings))
@@ -223,22 +241,18 @@ class _Propagator:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             operator = WalkOperator(graph)
             sums.radius = operator.radius
-            for number, row in enumerate(rows):
+            for row in rows:
                 columns = pairs[pairs[:, 0] == row, 1]
-                least = np.zeros((len(columns), lanes_of(graph)))
-                for place, column in enumerate(columns.tolist()):
-                    if (row, column) in best.nodes:
-                        least[place] = path_gain(
-                            graph, best.nodes[row, column], best.cost[row, column]
-                        )
-                ends = graph.sources[row].nodes, graph.listener_nodes[columns].tolist()
+                if len(columns) == 0:
+                    continue
                 found = bounded_sums(
                     graph,
                     operator,
-                    *ends,
+                    graph.sources[row].nodes,
+                    graph.listener_nodes[columns].tolist(),
                     limits,
-                    None if known is None else (known, number),
-                    least,
+                    costs.get(row),
+                    self.best_gain[row, columns],
                 )
                 self.gain[row, columns] = found.gain[:, 0]
                 self.error[row, columns] = found.error

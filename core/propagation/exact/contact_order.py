@@ -15,6 +15,12 @@ WIDEST = 48
 """Most objects of the frontier that are considered as the next one: where there are more, no order
 is narrow enough for an exact sum."""
 
+PAIRINGS = [1.0, 1.0]
+"""Number of ways to pair some of 0, 1, 2 ... ends and to leave the others single."""
+
+while len(PAIRINGS) < 200:
+    PAIRINGS.append(PAIRINGS[-1] + (len(PAIRINGS) - 1) * PAIRINGS[-2])
+
 Neighbours = dict[int, list[tuple[int, int]]]
 """Of each object: the number of every contact at it, and the object on its other side."""
 
@@ -84,7 +90,7 @@ def _two_edge_connected(around: Neighbours, start: int) -> set[int]:
 
 def contact_order(graph: HapticGraph, contacts: IntArray) -> tuple[IntArray, float]:
     """An order of ``contacts`` (c, 2), given by their nodes, that keeps few ends waiting, and an
-    estimate of the states in all.
+    estimate of the frontier's transitions in all.
 
     Objects are finished one by one, always the one that leaves the fewest ends waiting, beginning
     anywhere, or where that ends. The narrower order is taken.
@@ -96,13 +102,14 @@ def contact_order(graph: HapticGraph, contacts: IntArray) -> tuple[IntArray, flo
     orders = [
         _finished_one_by_one(around, rank) for rank in (one, _narrowest(around, list(one)[-1]))
     ]
-    best, width = min(orders, key=lambda found: found[1])
-    return np.array(best, dtype=np.int64), width
+    best, transitions = min(orders, key=lambda found: found[1])
+    return np.array(best, dtype=np.int64), transitions
 
 
 def _finished_one_by_one(around: Neighbours, rank: dict[int, int]) -> tuple[list[int], float]:
-    """The contacts in the order of the objects at which they end first, and the estimate: powers of
-    2 of the ends that may wait."""
+    """The contacts in the order of the objects at which they end first, and the estimate: as many
+    states before each contact as there are ways to pair some of the ends that may wait, each with a
+    transition for every two ends that the contact may join."""
     taken = dict.fromkeys(around, 0)
     ends = sorted(
         (rank[one], rank[other], number, one, other)
@@ -110,15 +117,15 @@ def _finished_one_by_one(around: Neighbours, rank: dict[int, int]) -> tuple[list
         for number, other in around[one]
         if rank[one] < rank[other]
     )
-    waiting, states = 0, 0.0
+    waiting, transitions = 0, 0.0
     for *_, one, other in ends:
+        joins = (taken[one] + 1) * (taken[other] + 1)
+        transitions += joins * PAIRINGS[min(waiting, len(PAIRINGS) - 1)]
         for index in (one, other):
-            waiting += _may_wait(taken[index] + 1, len(around[index])) - _may_wait(
-                taken[index], len(around[index])
-            )
+            before = _may_wait(taken[index], len(around[index]))
             taken[index] += 1
-        states += 2.0 ** min(waiting, 500)
-    return [number for _, _, number, _, _ in ends], states
+            waiting += _may_wait(taken[index], len(around[index])) - before
+    return [number for _, _, number, _, _ in ends], transitions
 
 
 def _may_wait(done: int, size: int) -> int:

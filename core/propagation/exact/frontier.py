@@ -18,10 +18,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray, runs
+from ...arrays import FloatArray, IntArray, added_by
 from ...frozen import frozen
 from ...graph.haptic_graph import HapticGraph
 from ..connections import LARGEST, intra_lanes, lanes_of
@@ -47,9 +48,6 @@ ELEMENTS = 16
 """How many numbers are added up in the time that it takes to find one transition: converts vector
 operations to the unit of work."""
 
-Waiting = list[tuple[int, int]]
-"""Nodes of an object at which an end may wait, with their slots."""
-
 Join = tuple[int, int, int, int, int]
 """What one side of a contact can be joined to: shift of the slot, mask without it, the other end
 where the state does not say (else 0), the bit that marks a fragment that ends at a listener, and
@@ -57,18 +55,36 @@ the number of the factor."""
 
 
 @frozen
+class _Side:
+    """One side of a contact: its ``node``, the nodes of the object at which an end may be
+    ``waiting``, and the ``joins``: to each of these, to an end that waits here, to the
+    listeners."""
+
+    node: int
+    waiting: list[int]
+    joins: list[Join]
+
+
+@frozen
 class _CrossedContact:
-    """A contact, in the order in which they are taken.
+    """A contact, in the order in which they are taken. Of the slots in each of ``most`` only so
+    many may still hold an end after it, because no more contacts are to come for them."""
 
-    ``nodes`` on either side; ``waiting`` nodes on either side; ``slots`` of its own, -1 on a side
-    where no contact is left to come. Of the slots in each of ``most`` only so many may still hold
-    an end after it, because no more contacts are to come for them.
-    """
-
-    nodes: tuple[int, int]
-    waiting: tuple[Waiting, Waiting]
-    slots: tuple[int, int]
+    first: _Side
+    second: _Side
     most: list[tuple[list[int], int]]
+
+
+@dataclass(slots=True)
+class _Transitions:
+    """Transitions from the ``row`` of a state to that of another, the ``target``, with the number
+    of their ``factor``; and the rows at which a path has ``ended``, with theirs."""
+
+    row: list[int] = field(default_factory=list)
+    target: list[int] = field(default_factory=list)
+    factor: list[int] = field(default_factory=list)
+    ended: list[int] = field(default_factory=list)
+    ended_factor: list[int] = field(default_factory=list)
 
 
 class Frontier:
@@ -82,8 +98,8 @@ class Frontier:
         crossings: most contacts on a path; infinite where they need not be counted.
 
     Attributes:
-        width: an estimate of the states in all, infinite if more ends may wait at once than a state
-            has room for.
+        expected: an estimate of the work, infinite if more ends may wait at once than a state has
+            room for.
         work: transitions so far, counted by their cost.
     """
 
@@ -96,213 +112,178 @@ class Frontier:
         crossings: float,
     ) -> None:
         self._graph = graph
+        self._roots = np.array(roots, dtype=np.int64)
         self._listeners = np.array(listeners, dtype=np.int64)
         self._lanes = lanes_of(graph)
         self._limited = crossings < math.inf
-        order, width = contact_order(graph, contacts)
-        self._crossings = self._planned(contacts[order], roots)
-        self.width = math.inf if self._crossings is None else width
+        self._steps = int(crossings) + 1 if self._limited else 1
+        self._cost = 1 + self._steps * len(listeners) * self._lanes / ELEMENTS
+        order, transitions = contact_order(graph, contacts)
+        self._contacts = self._planned(contacts[order])
+        self.expected = math.inf if self._contacts is None else transitions * self._cost
         self.work = 0.0
-        self._place = 0
-        steps = int(crossings) + 1 if self._limited else 1
-        lanes = len(listeners) * self._lanes
-        self._cost = 1 + steps * lanes / ELEMENTS
-        self._states = {SOURCE << SHIFT[slot + FIRST]: slot for slot in range(len(roots))}
-        self._values = np.zeros((len(roots), steps, lanes))
-        self._values[:, 0] = 1.0
-        self._total = sum((self._ends(np.array([root]))[0] for root in roots), np.zeros(lanes))
-        self._factors: list[tuple[FloatArray, FloatArray]] = []
 
     def sum(self, allowed: float) -> FloatArray | None:
-        """The sums (listeners, lanes), or None where they take more than ``allowed`` work
-        altogether, or overflow. A later call goes on from where this one was."""
-        if self.width > allowed or self._crossings is None:
+        """The sums (listeners, lanes), or None where they take more than ``allowed`` work, or
+        overflow."""
+        if self._contacts is None or self.expected > allowed:
             return None
+        most = self.work + allowed
+        states = {SOURCE << SHIFT[slot + FIRST]: slot for slot in range(len(self._roots))}
+        total = self._ends(self._roots).sum(axis=1)
+        # (number of contacts crossed, listeners and lanes, states)
+        values = np.zeros((self._steps, len(total), len(states)))
+        values[0] = 1.0
         with np.errstate(over="ignore", invalid="ignore"):
-            self._factors = self._factors or self._weighed(self._crossings)
-            while self._place < len(self._crossings):
-                if self.work > allowed:
+            for contact, (first, second) in zip(
+                self._contacts, self._factors(self._contacts), strict=True
+            ):
+                joins = len(contact.first.joins) * len(contact.second.joins)
+                if self.work + self._cost * len(states) * joins > most:
                     return None
-                self._cross(self._crossings[self._place], *self._factors[self._place])
-                self._place += 1
-        return self._total.reshape(-1, self._lanes) if np.all(self._total <= LARGEST) else None
+                found = _transitions(states, contact)
+                self.work += self._cost * (len(found.row) + len(found.ended))
+                factors = (first[:, :, None] * second[:, None]).reshape(len(total), -1)
+                crossed = values
+                if self._limited:
+                    crossed = np.concatenate([np.zeros_like(values[:1]), values[:-1]])
+                total = total + (
+                    crossed[..., found.ended].sum(axis=0) * factors[:, found.ended_factor]
+                ).sum(axis=1)
+                terms = crossed[..., found.row] * factors[:, found.factor]
+                added = added_by(np.array(found.target, dtype=np.int64), terms, len(states))
+                added[..., : values.shape[-1]] += values
+                values = added
+                for slots, ends in contact.most:
+                    kept = _uncrowded(states, slots, ends)
+                    if len(kept) < len(states):
+                        values = values[..., list(kept.values())]
+                        states = {state: row for row, state in enumerate(kept)}
+        return total.reshape(-1, self._lanes) if np.all(total <= LARGEST) else None
 
-    def _planned(self, contacts: IntArray, roots: Sequence[int]) -> list[_CrossedContact] | None:
-        """The crossings of contacts in this order; the roots wait at the first slots. None where
-        more ends could wait than there are slots."""
+    def _planned(self, contacts: IntArray) -> list[_CrossedContact] | None:
+        """The contacts in this order, with slots for the ends that may wait; the roots wait at the
+        first ones. None where more ends could wait than there are slots."""
         objects = self._graph.node_object
+        heard = set(objects[self._listeners].tolist())
         left = np.bincount(
             objects[contacts].reshape(-1), minlength=len(self._graph.table.names)
         ).tolist()
-        waiting: dict[int, Waiting] = {}
-        for slot, root in enumerate(roots):
+        waiting: dict[int, list[tuple[int, int]]] = {}
+        for slot, root in enumerate(self._roots.tolist()):
             waiting.setdefault(int(objects[root]), []).append((root, slot))
-        free = list(range(SLOTS - 1, len(roots) - 1, -1))
-        crossings: list[_CrossedContact] = []
+        free = list(range(SLOTS - 1, len(self._roots) - 1, -1))
+        crossed: list[_CrossedContact] = []
         for nodes, ends in zip(contacts.tolist(), objects[contacts].tolist(), strict=True):
-            before = [list(waiting.setdefault(end, [])) for end in ends]
-            slots = [-1, -1]
-            for side, end in enumerate(ends):
+            sides = []
+            for node, end in zip(nodes, ends, strict=True):
+                here = waiting.setdefault(end, [])
+                count = len(here)
+                joins = [
+                    (SHIFT[slot + FIRST], WITHOUT[slot + FIRST], 0, 0, k)
+                    for k, (_, slot) in enumerate(here)
+                ]
+                sides.append(_Side(node, [other for other, _ in here], joins))
                 left[end] -= 1
                 if left[end]:
                     if not free:
                         return None
-                    slots[side] = free.pop()
-                    waiting[end].append((nodes[side], slots[side]))
+                    here.append((node, free.pop()))
+                    joins.append((NOWHERE, -1, here[-1][1] + FIRST, 0, count))
+                if end in heard:
+                    joins.append((NOWHERE, -1, LISTENER, 1, count + 1))
             most = [
                 ([slot for _, slot in waiting[end]], left[end])
                 for end in ends
                 if len(waiting[end]) > left[end]
             ]
-            free += [slot for end in ends if not left[end] for _, slot in waiting[end]]
-            crossings.append(
-                _CrossedContact(
-                    (nodes[0], nodes[1]), (before[0], before[1]), (slots[0], slots[1]), most
-                )
-            )
-        return crossings
+            free += [slot for slots, count in most if not count for slot in slots]
+            crossed.append(_CrossedContact(sides[0], sides[1], most))
+        return crossed
 
     def _ends(self, nodes: IntArray) -> FloatArray:
-        """Factors (n, listeners * lanes) of ending at the listeners from each node, 0 where they
+        """Factors (listeners * lanes, n) of ending at the listeners from each node, 0 where they
         are in another object."""
         objects = self._graph.node_object
-        which, number = np.nonzero(objects[nodes][:, None] == objects[self._listeners])
-        table = np.zeros((len(nodes), len(self._listeners), self._lanes))
-        apart = nodes[which] != self._listeners[number]
-        which = which[apart]
-        number = number[apart]
-        table[which, number] = intra_lanes(self._graph, nodes[which], self._listeners[number])
-        return table.reshape(len(nodes), len(self._listeners) * self._lanes)
+        number, which = np.nonzero(objects[self._listeners][:, None] == objects[nodes])
+        table = np.zeros((len(self._listeners), self._lanes, len(nodes)))
+        table[number, :, which] = intra_lanes(self._graph, nodes[which], self._listeners[number])
+        return table.reshape(len(self._listeners) * self._lanes, len(nodes))
 
-    def _weighed(self, crossings: Sequence[_CrossedContact]) -> list[tuple[FloatArray, FloatArray]]:
-        """Of each crossing the factors (joins, listeners * lanes) of either side: of joining each
+    def _factors(self, contacts: Sequence[_CrossedContact]) -> list[tuple[FloatArray, FloatArray]]:
+        """Of each contact the factors (listeners * lanes, joins) of either side: of joining each
         waiting node, of waiting itself, and of ending at the listeners; those of the first side
         with the gain of the contact."""
         graph = self._graph
-        sides = [
-            (node, waiting)
-            for crossing in crossings
-            for node, waiting in zip(crossing.nodes, crossing.waiting, strict=True)
-        ]
-        nodes = np.array([node for node, _ in sides], dtype=np.int64)
-        sizes = [len(waiting) for _, waiting in sides]
-        others = np.array([node for _, waiting in sides for node, _ in waiting], dtype=np.int64)
-        joins = np.tile(intra_lanes(graph, nodes.repeat(sizes), others), len(self._listeners))
+        sides = [side for contact in contacts for side in (contact.first, contact.second)]
+        nodes = np.array([side.node for side in sides], dtype=np.int64)
+        sizes = [len(side.waiting) for side in sides]
+        others = np.array([node for side in sides for node in side.waiting], dtype=np.int64)
+        count = len(self._listeners)
+        joined = np.tile(intra_lanes(graph, nodes.repeat(sizes), others).T, (count, 1))
+        alone = np.ones((len(joined), 1))
         ends = self._ends(nodes)
-        alone = np.ones((1, joins.shape[1]))
         first = np.cumsum([0, *sizes])
         factors = [
-            np.concatenate([joins[first[k] : first[k + 1]], alone, ends[k : k + 1]])
+            np.concatenate([joined[:, first[k] : first[k + 1]], alone, ends[:, k : k + 1]], axis=1)
             for k in range(len(sides))
         ]
         contact = graph.contact[nodes[::2]]
         through = graph.transmission[contact][:, None].repeat(self._lanes, axis=1)
         if graph.contact_band_gains is not None:
             through[:, 1:] *= graph.contact_band_gains[contact]
-        through = np.tile(through, len(self._listeners))
-        return [(factors[2 * k] * through[k], factors[2 * k + 1]) for k in range(len(crossings))]
+        through = np.tile(through, count)[:, :, None]
+        return [(factors[2 * k] * through[k], factors[2 * k + 1]) for k in range(len(contacts))]
 
-    def _cross(self, crossing: _CrossedContact, first: FloatArray, second: FloatArray) -> None:
-        """Add all ways in which the states cross a contact: either side is joined to an end that
-        waits in its object, or to the listeners, or waits itself. ``first`` and ``second`` are the
-        factors of the sides."""
-        sides = [
-            _joins(*side)
-            for side in zip(crossing.waiting, crossing.slots, (first, second), strict=True)
+
+def _transitions(states: dict[int, int], contact: _CrossedContact) -> _Transitions:
+    """All ways in which the states cross a contact: either side is joined to an end that waits in
+    its object, or to the listeners, or waits itself. New states are added to ``states``, which
+    gives the row of each."""
+    found = _Transitions()
+    width = len(contact.second.waiting) + 2
+    for state, row in list(states.items()):
+        # Side 2 is not joined to the other end of what side 1 is joined to: the fragment would be a
+        # cycle.
+        begun = [
+            (state & without & WITHOUT[mate] | mark, mate, number * width)
+            for shift, without, alone, mark, number in contact.first.joins
+            if (mate := state >> shift & FIELD or alone) and not state & mark
         ]
-        states = self._states
-        width = len(second)
-        source: list[int] = []
-        target: list[int] = []
-        factor: list[int] = []
-        ended: list[int] = []
-        ended_factor: list[int] = []
-        for state, row in list(states.items()):
-            # Side 2 is not joined to the other end of what side 1 is joined to: the fragment would
-            # be a cycle.
-            begun = [
-                (state & without & WITHOUT[mate] | mark, mate, code * width)
-                for shift, without, alone, mark, code in sides[0]
-                if (mate := state >> shift & FIELD or alone) and not state & mark
-            ]
-            for rest, mate_a, code in begun:
-                for shift, without, alone, mark, k in sides[1]:
-                    mate_b = rest >> shift & FIELD or alone
-                    if not mate_b or rest & mark:
-                        continue
-                    key = rest & without & WITHOUT[mate_b] | mark
-                    if mate_a >= FIRST:
-                        key |= mate_b << SHIFT[mate_a]
-                    elif mate_b < FIRST:
-                        if key == 1:
-                            ended.append(row)
-                            ended_factor.append(code + k)
-                        continue
-                    if mate_b >= FIRST:
-                        key |= mate_a << SHIFT[mate_b]
-                    source.append(row)
-                    target.append(states.setdefault(key, len(states)))
-                    factor.append(code + k)
-        self.work += self._cost * (len(source) + len(ended))
-        table = (first[:, None] * second).reshape(-1, first.shape[1])
-        crossed = self._one_crossing_later(self._values)
-        if ended:
-            self._total = self._total + (crossed[ended].sum(axis=1) * table[ended_factor]).sum(
-                axis=0
-            )
-        rows = np.zeros((len(states) - len(self._values), *self._values.shape[1:]))
-        self._values = np.concatenate([self._values, rows])
-        if source:
-            _add(self._values, target, crossed[source] * table[factor][:, None])
-        for slots, most in crossing.most:
-            self._drop_crowded(slots, most)
-
-    def _one_crossing_later(self, values: FloatArray) -> FloatArray:
-        """The ``values``, which are kept by number of contacts crossed, for one more contact."""
-        if not self._limited:
-            return values
-        shifted = np.zeros_like(values)
-        shifted[:, 1:] = values[:, :-1]
-        return shifted
-
-    def _drop_crowded(self, slots: Sequence[int], most: int) -> None:
-        """Drop the states in which more than ``most`` of the slots hold an end."""
-        lowest = sum(1 << SHIFT[slot + FIRST] for slot in slots)
-        mask = lowest * FIELD
-        kept = []
-        for state, row in self._states.items():
-            bits = state & mask
-            if most:
-                bits |= bits >> 1
-                bits |= bits >> 2
-                # The lowest bit of each field now says whether any of its seven is set.
-                bits |= bits >> 3
-                bits &= lowest
-            if bits.bit_count() <= most:
-                kept.append((state, row))
-        if len(kept) < len(self._states):
-            self._states = {state: number for number, (state, _) in enumerate(kept)}
-            self._values = self._values[[row for _, row in kept]]
+        for rest, mate_a, factor in begun:
+            for shift, without, alone, mark, number in contact.second.joins:
+                mate_b = rest >> shift & FIELD or alone
+                if not mate_b or rest & mark:
+                    continue
+                key = rest & without & WITHOUT[mate_b] | mark
+                if mate_a >= FIRST:
+                    key |= mate_b << SHIFT[mate_a]
+                elif mate_b < FIRST:
+                    if key == 1:
+                        found.ended.append(row)
+                        found.ended_factor.append(factor + number)
+                    continue
+                if mate_b >= FIRST:
+                    key |= mate_a << SHIFT[mate_b]
+                found.row.append(row)
+                found.target.append(states.setdefault(key, len(states)))
+                found.factor.append(factor + number)
+    return found
 
 
-def _joins(waiting: Waiting, slot: int, factors: FloatArray) -> list[Join]:
-    """What a side of a contact can be joined to."""
-    joins = [(SHIFT[at + FIRST], WITHOUT[at + FIRST], 0, 0, k) for k, (_, at) in enumerate(waiting)]
-    if slot >= 0:
-        joins.append((NOWHERE, -1, slot + FIRST, 0, len(waiting)))
-    if factors[-1].any():
-        joins.append((NOWHERE, -1, LISTENER, 1, len(waiting) + 1))
-    return joins
-
-
-def _add(values: FloatArray, target: Sequence[int], terms: FloatArray) -> None:
-    """Add each term to the row of ``values`` that is its ``target``."""
-    if values[0].size == 1:
-        values.reshape(-1)[:] += np.bincount(
-            target, weights=terms.reshape(-1), minlength=len(values)
-        )
-        return
-    rows = np.array(target)
-    order = np.argsort(rows, kind="stable")
-    begin, _ = runs(rows[order])
-    values[rows[order[begin]]] += np.add.reduceat(terms[order], begin, axis=0)
+def _uncrowded(states: dict[int, int], slots: Sequence[int], most: int) -> dict[int, int]:
+    """The states in which at most so many of the slots hold an end."""
+    lowest = sum(1 << SHIFT[slot + FIRST] for slot in slots)
+    mask = lowest * FIELD
+    kept = {}
+    for state, row in states.items():
+        bits = state & mask
+        if most:
+            bits |= bits >> 1
+            bits |= bits >> 2
+            # The lowest bit of each field now says whether any of its seven is set.
+            bits |= bits >> 3
+            bits &= lowest
+        if bits.bit_count() <= most:
+            kept[state] = row
+    return kept

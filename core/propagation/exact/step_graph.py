@@ -20,16 +20,12 @@ from ..connections import LARGEST, band_factors, intra_gains
 CHUNK = 1 << 18
 """Pairs of nodes examined in one vectorised step, a bound on memory."""
 
-TERMS, SETTLED, GROWING = 400, 8, 20
-"""Most terms of the series of walks, terms before the ratio of consecutive ones is used, and how
-many times in a row terms may grow: a series with more of them is taken to diverge."""
+TERMS, SETTLED = 400, 20
+"""Most terms of the series of walks, and terms after which it is judged by the ratio of consecutive
+ones."""
 
-FEW = 8
-"""Most contacts of the walks among which the strongest one is searched."""
-
-MEANINGLESS = 1e4
-"""Ratio of the bound on all walks to the strongest walk above which the bound is too coarse to rank
-states by."""
+NEGLIGIBLE = 1e-4
+"""Part of the sum below which the ratio of terms bounds the rest closely enough."""
 
 
 @frozen
@@ -47,19 +43,19 @@ class Steps:
     inside: FloatArray
     gain: FloatArray
 
-    def expand(self, entry: IntArray, count: IntArray) -> tuple[IntArray, IntArray]:
-        """For states at ``entry``: which state and which step, for the first ``count`` steps of
-        each."""
+    def expand(self, entry: IntArray) -> tuple[IntArray, IntArray]:
+        """For states at ``entry``: which state and which step, for all steps of each."""
+        count = self.size[entry]
         return np.arange(len(entry)).repeat(count), ranges(self.start[entry], count)
 
-    def backwards(self, values: FloatArray, together: np.ufunc) -> FloatArray:
-        """Values (e, l) one step earlier, combined over the steps of each entry by ``together``
-        (sum or maximum)."""
+    def backwards(self, values: FloatArray) -> FloatArray:
+        """Sums (e, l) over the steps of each entry: its gain times the value where it leads, of
+        ``values`` (e, l)."""
         result = np.zeros((len(self.size), values.shape[1]))
         filled = self.size.nonzero()[0]
         if len(filled):
             with np.errstate(over="ignore"):
-                result[filled] = together.reduceat(
+                result[filled] = np.add.reduceat(
                     self.gain[:, :1] * values[self.to], self.start[filled], axis=0
                 )
         return np.minimum(result, LARGEST)
@@ -149,18 +145,6 @@ def build_step_graph(
     return StepGraph(nodes, contact, over, ends, len(listeners))
 
 
-def walk_bounds(paths: StepGraph, crossings: int) -> tuple[FloatArray, FloatArray]:
-    """Upper bounds (e, l) on the sum over all continuations of a path from each entry to each
-    listener, see `walk_sums`, and how important each is (e, l): these bounds, or where they are no
-    use what ends at once and the strongest walk over a few contacts."""
-    sums = walk_sums(paths, crossings)
-    ends = _ending_at_once(paths)
-    strongest = ends
-    for _ in range(min(crossings, FEW)):
-        strongest = np.maximum(strongest, paths.steps.backwards(strongest, np.maximum))
-    return sums, ends + strongest if np.any(sums[-1] > MEANINGLESS * strongest[-1]) else sums
-
-
 def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
     """The sum (e, l) over all walks over at most ``crossings`` contacts from each entry to each
     listener, or an upper bound on it; `LARGEST` where nothing bounds it. A walk takes steps like a
@@ -170,28 +154,21 @@ def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
     the terms after it sum to at most ``q / (1 - q)`` times it (Collatz and Wielandt; R. S. Varga,
     *Matrix Iterative Analysis*, Springer 2000, theorem 2.2).
     """
-    total = term = _ending_at_once(paths)
-    growing = 0
+    total = np.zeros((len(paths.nodes), paths.listeners))
+    ends = paths.ends
+    total[np.arange(len(total)).repeat(ends.size), ends.to] = np.minimum(ends.gain[:, 0], LARGEST)
+    term = total
     for k in range(crossings):
-        following = paths.steps.backwards(term, np.add)
+        following = paths.steps.backwards(term)
         if not following.any():
             break
-        growing = growing + 1 if following.sum() > term.sum() else 0
-        times = np.divide(following, term, out=np.where(following > 0, np.inf, 0.0), where=term > 0)
-        ratio = float(np.max(times, initial=0.0)) * (1 + 1e-12)
-        if ratio < 1 and k >= SETTLED and np.all(following <= 1e-4 * total + 1e-300):
-            return np.minimum(total + following / (1 - ratio), LARGEST)
-        if k >= TERMS or (growing > GROWING and crossings > TERMS):
-            return np.full(term.shape, LARGEST)
+        if k >= SETTLED:
+            times = np.divide(following, term, out=np.full(term.shape, np.inf), where=term > 0)
+            ratio = float(np.max(times[following > 0])) * (1 + 1e-12)
+            if ratio < 1 and np.all(following <= NEGLIGIBLE * total):
+                return np.minimum(total + following / (1 - ratio), LARGEST)
+            if crossings > TERMS and (k >= TERMS or following.sum() > term.sum()):
+                return np.full(term.shape, LARGEST)
         total = np.minimum(total + following, LARGEST)
         term = following
     return total
-
-
-def _ending_at_once(paths: StepGraph) -> FloatArray:
-    """(e, l) gain of ending at each listener from each entry."""
-    ends = np.zeros((len(paths.nodes), paths.listeners))
-    ends[np.arange(len(ends)).repeat(paths.ends.size), paths.ends.to] = np.minimum(
-        paths.ends.gain[:, 0], LARGEST
-    )
-    return ends

@@ -14,11 +14,12 @@ from haptic_tracing.core.message import Cause
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.best_path import crossings_of
 from haptic_tracing.core.propagation.connections import LARGEST
-from haptic_tracing.core.propagation.exact import PathLimits, sum_over_paths
+from haptic_tracing.core.propagation.exact import PathLimits
 from haptic_tracing.core.propagation.exact.contact_order import contacts_on_paths
 from haptic_tracing.core.propagation.exact.frontier import Frontier
 from haptic_tracing.core.propagation.exact.path_search import PathSearch
 from haptic_tracing.core.propagation.exact.step_graph import build_step_graph
+from haptic_tracing.core.propagation.exact.sums import sum_over_paths
 from haptic_tracing.core.scene.functions import Constant, Expression, Identity
 from haptic_tracing.core.scene.values import (
     Contact,
@@ -127,8 +128,8 @@ def test_search_with_and_without_merging(seed, threshold, crossings):
     graph = graph_of_scene(connected_scene(seed, METRIC[:3], extra=4, listeners=3))
     entries = np.flatnonzero(graph.partner >= 0)
     roots, listeners = list(graph.sources[0].nodes), graph.listener_nodes.tolist()
-    search = PathSearch(build_step_graph(graph, entries, roots, listeners), crossings)
-    found = search.run(PathLimits(crossings, threshold, 0.0, 10**7), np.zeros(len(listeners)))
+    paths = build_step_graph(graph, entries, roots, listeners)
+    found = PathSearch(paths, PathLimits(crossings, threshold, 0.0, 10**7)).run()
     true = true_sums(graph, None if crossings == math.inf else 9)
     assert found.gain[:, 0].tolist() == pytest.approx(true, rel=1e-12)
     assert found.missing.tolist() == [0.0] * len(listeners)
@@ -298,10 +299,10 @@ def frontier(graph) -> Frontier:
 
 def test_frontier_gives_up_at_once():
     running = frontier(graph_of_scene(dense(12, Constant(gain_value=0.1))))
-    assert running.width > 2000
-    running.width = 0.0  # had the order promised more than it keeps
+    assert running.expected > 2000
+    running.expected = 0.0  # had the order promised more than it keeps
     assert running.sum(1000) is None
-    assert running.work < 4 * 1000  # it ends with the contact at which that was passed
+    assert running.work < 1000
 
 
 def test_same_result_every_time():
@@ -312,9 +313,9 @@ def test_same_result_every_time():
     assert first.error_bound.tolist() == second.error_bound.tolist()
 
 
-def test_frontier_paused_again_and_again():
-    """However small its steps, the sum is the same to the last bit."""
+def test_frontier_given_up_again_and_again():
+    """Whatever work it was given before, the sum is the same to the last bit."""
     graph = graph_of_scene(dense(6, Constant(gain_value=0.9)))
-    whole, paused = frontier(graph).sum(1e9), frontier(graph)
-    sums = [paused.sum(part) for part in np.linspace(0, paused.width + 10**6, 200)]
+    whole, tried = frontier(graph).sum(1e9), frontier(graph)
+    sums = [tried.sum(part) for part in np.geomspace(1, tried.expected + 10**6, 8)]
     assert sums[0] is None and sums[-1].tolist() == whole.tolist()
