@@ -1,5 +1,5 @@
 """Sums over all paths with certified bounds: exact, to a tolerance, or within limits. The entry
 point is `bounded_sums`."""
 
-from .path_search import PathLimits as PathLimits
+from .sums import PathLimits as PathLimits
 from .sums import bounded_sums as bounded_sums

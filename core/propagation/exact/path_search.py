@@ -29,10 +29,6 @@ STEPS_PER_WORK, WORDS_PER_WORK = 4, 32
 """Steps that are examined, and 64-bit words of contact sets that are copied, in one unit of
 work."""
 
-FEW = 8
-"""Most contacts of the walks by whose sum states are ranked: over more of them the sum of all walks
-may be too large to tell states apart."""
-
 BYTES = 1 << 28
 """Most bytes that the states may take."""
 
@@ -42,18 +38,6 @@ left for the deeper ones."""
 
 MISSED = 1e-11
 """Relative allowance for rounding in the bound on what is missing."""
-
-
-@frozen
-class PathLimits:
-    """Limits of the paths: most contacts (``crossings``) and least gain (``threshold``) of a path;
-    the relative error asked for (``tolerance``) if the exact sum takes more than the ``budget`` of
-    partial paths, states and transitions."""
-
-    crossings: float
-    threshold: float
-    tolerance: float
-    budget: int
 
 
 @frozen
@@ -87,32 +71,38 @@ class PathSearch:
 
     Args:
         paths: the step graph.
-        limits: of the paths. Without a threshold, partial paths with the same continuations are
+        crossings: most contacts on a path.
+        threshold: least gain of a path. Without one, partial paths with the same continuations are
             merged.
         ahead: (e,) the largest gain from each entry to any listener, None where it is not known or
             some gain exceeds 1.
     """
 
     def __init__(
-        self, paths: StepGraph, limits: PathLimits, ahead: FloatArray | None = None
+        self,
+        paths: StepGraph,
+        crossings: float,
+        threshold: float = 0.0,
+        ahead: FloatArray | None = None,
     ) -> None:
         self._paths = paths
-        self._limits = limits
         self._ahead = ahead
         contacts = int(paths.contact.max()) + 1
-        self._crossings = int(min(limits.crossings, contacts))
-        self._least = limits.threshold * (1 - ROUNDING)
+        self._crossings = int(min(crossings, contacts))
+        self._least = threshold * (1 - ROUNDING)
         self._walks: tuple[FloatArray, FloatArray] | None = None
         self._bit: SetArray = np.where(
             paths.contact < 0, 0, 1 << (paths.contact & 63).astype(np.uint64)
         ).astype(np.uint64)
         self._word = np.maximum(paths.contact, 0) >> 6
         self._words = contacts // 64 + 1
-        self._sums = np.zeros((paths.listeners, paths.ends.gain.shape[1]))
-        self._missing = np.zeros(paths.listeners)
 
-    def run(self) -> PathSums:
-        """The sums."""
+    def run(self, tolerance: float, budget: int) -> PathSums:
+        """The sums, to a relative ``tolerance``, or as many of the paths as the ``budget`` of
+        partial paths and steps allows."""
+        self._sums = np.zeros((self._paths.listeners, self._paths.ends.gain.shape[1]))
+        self._missing = np.zeros(self._paths.listeners)
+        room = min(max(1, budget // 4), BYTES // (8 * self._words + 64))
         roots = (self._paths.contact < 0).nonzero()[0]
         states = _States(
             roots,
@@ -122,13 +112,14 @@ class PathSearch:
         counts = np.zeros(self._paths.listeners, dtype=np.int64)
         work, level = 0.0, 0
         while len(states.entry):
-            states, cost = self._kept(states, level, self._limits.budget - work)
+            affordable = SPENT_ON_LEVEL * (budget - work)
+            states, cost = self._kept(states, level, room, affordable, tolerance)
             work += cost
             counts += self._end(states)
             if level == self._crossings:
                 break
             states = self._advanced(states)
-            if not self._limits.threshold and len(states.entry) > 1:
+            if self._least == 0 and len(states.entry) > 1:
                 states = _merged(states)
             if not np.all(states.value <= LARGEST):
                 np.minimum(states.value, LARGEST, out=states.value)
@@ -141,22 +132,20 @@ class PathSearch:
             np.minimum(self._sums, LARGEST), np.minimum(missing, LARGEST), counts, int(work)
         )
 
-    def _kept(self, states: _States, level: int, left: float) -> tuple[_States, float]:
+    def _kept(
+        self, states: _States, level: int, room: int, affordable: float, tolerance: float
+    ) -> tuple[_States, float]:
         """The states that stay, and the work that they take. Those of least weight are dropped: as
-        many as the tolerance allows at this level, and all that are too many or take more than
-        their part of the work ``left``."""
+        many as the ``tolerance`` allows at this ``level``, and all for which there is no ``room``
+        or whose work is not ``affordable``."""
         cost = np.ones(len(states.entry))
         if level < self._crossings:
             steps = self._paths.steps.size[states.entry]
             cost += steps * (1 / STEPS_PER_WORK + self._words / WORDS_PER_WORK)
-        tolerance = self._limits.tolerance
-        room = min(max(1, self._limits.budget // 4), BYTES // (8 * self._words + 64))
-        affordable = SPENT_ON_LEVEL * left
         if level == 0 or (tolerance == 0 and len(cost) <= room and float(cost.sum()) <= affordable):
             return states, float(cost.sum())
         if self._walks is None:
-            few = min(self._crossings, FEW)
-            self._walks = walk_sums(self._paths, self._crossings), walk_sums(self._paths, few)
+            self._walks = walk_sums(self._paths, self._crossings)
         bound, importance = self._walks
         total = self._sums[:, 0]
         value = states.value[:, :1]

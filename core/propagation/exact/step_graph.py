@@ -24,6 +24,10 @@ TERMS, SETTLED = 400, 20
 """Most terms of the series of walks, and terms after which it is judged by the ratio of consecutive
 ones."""
 
+FEW = 8
+"""Most contacts of the walks by whose sum states are ranked: over more of them the sum of all walks
+may be too large to tell states apart."""
+
 NEGLIGIBLE = 1e-4
 """Part of the sum below which the ratio of terms bounds the rest closely enough."""
 
@@ -145,10 +149,11 @@ def build_step_graph(
     return StepGraph(nodes, contact, over, ends, len(listeners))
 
 
-def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
+def walk_sums(paths: StepGraph, crossings: int) -> tuple[FloatArray, FloatArray]:
     """The sum (e, l) over all walks over at most ``crossings`` contacts from each entry to each
-    listener, or an upper bound on it; `LARGEST` where nothing bounds it. A walk takes steps like a
-    path but may cross a contact again (though not turn round at once).
+    listener, or an upper bound on it, `LARGEST` where nothing bounds it; and the sum over those
+    over at most `FEW` contacts. A walk takes steps like a path but may cross a contact again
+    (though not turn round at once).
 
     Where the next term of the series is at most q times the last one element by element with q < 1,
     the terms after it sum to at most ``q / (1 - q)`` times it (Collatz and Wielandt; R. S. Varga,
@@ -157,7 +162,7 @@ def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
     total = np.zeros((len(paths.nodes), paths.listeners))
     ends = paths.ends
     total[np.arange(len(total)).repeat(ends.size), ends.to] = np.minimum(ends.gain[:, 0], LARGEST)
-    term = total
+    few = term = total
     for k in range(crossings):
         following = paths.steps.backwards(term)
         if not following.any():
@@ -166,9 +171,11 @@ def walk_sums(paths: StepGraph, crossings: int) -> FloatArray:
             times = np.divide(following, term, out=np.full(term.shape, np.inf), where=term > 0)
             ratio = float(np.max(times[following > 0])) * (1 + 1e-12)
             if ratio < 1 and np.all(following <= NEGLIGIBLE * total):
-                return np.minimum(total + following / (1 - ratio), LARGEST)
+                return np.minimum(total + following / (1 - ratio), LARGEST), few
             if crossings > TERMS and (k >= TERMS or following.sum() > term.sum()):
-                return np.full(term.shape, LARGEST)
+                return np.full(term.shape, LARGEST), few
         total = np.minimum(total + following, LARGEST)
         term = following
-    return total
+        if k < FEW:
+            few = total
+    return total, few

@@ -23,7 +23,7 @@ from ..hop_constrained import hop_constrained_paths
 from ..walk_radius import WalkOperator
 from .contact_order import contacts_on_paths
 from .frontier import Frontier
-from .path_search import PathLimits, PathSearch, PathSums
+from .path_search import PathSearch, PathSums
 from .step_graph import build_step_graph
 
 NARROW = 1 / 64
@@ -40,6 +40,18 @@ PAIRS = 1 << 22
 
 EXACT = 1e-11
 """Relative difference between two sums up to which they count as equal, because of rounding."""
+
+
+@frozen
+class PathLimits:
+    """Limits of the paths: most contacts (``crossings``) and least gain (``threshold``) of a path;
+    the relative error asked for (``tolerance``) if the exact sum takes more than the ``budget`` of
+    partial paths, states and transitions."""
+
+    crossings: float
+    threshold: float
+    tolerance: float
+    budget: int
 
 
 @frozen
@@ -166,7 +178,7 @@ def sum_over_paths(
     entries = np.flatnonzero((graph.partner >= 0) & (before + behind <= limit))
     paths = build_step_graph(graph, entries, roots, listeners, (before, behind, limit))
     ahead = None if costs is None else np.exp(-behind[paths.nodes])
-    return PathSearch(paths, replace(limits, tolerance=0.0), ahead).run()
+    return PathSearch(paths, limits.crossings, limits.threshold, ahead).run(0.0, limits.budget)
 
 
 def _all_paths(
@@ -175,27 +187,27 @@ def _all_paths(
     """The sums without a threshold: exact from the frontier where the scene is narrow enough, else
     by the search."""
     contacts = contacts_on_paths(graph, roots, listeners)
-    if limits.crossings >= len(contacts):
-        limits = replace(limits, crossings=math.inf)
-    else:
-        limits = replace(limits, tolerance=0.0)
-    frontier = Frontier(graph, contacts, roots, listeners, limits.crossings)
+    crossings, tolerance = limits.crossings, 0.0
+    if crossings >= len(contacts):
+        crossings, tolerance = math.inf, limits.tolerance
+    frontier = Frontier(graph, contacts, roots, listeners, crossings)
+    search = None
     sizes = np.bincount(graph.node_object[contacts.reshape(-1)])
-    nothing = np.zeros(len(listeners))
-    found = PathSums(
-        np.zeros((len(listeners), lanes_of(graph))), nothing + LARGEST, nothing.astype(np.int64), 0
-    )
+    searchable = int((sizes * sizes).sum()) <= PAIRS
     spent = 0
+    nothing = np.zeros(len(listeners))
+    uncounted = nothing.astype(np.int64) - 1
+    found = PathSums(np.zeros((len(listeners), lanes_of(graph))), nothing + LARGEST, uncounted, 0)
     for for_frontier, for_search, tolerated in ROUNDS:
         exact = frontier.sum(for_frontier * limits.budget)
         if exact is not None:
             found = replace(found, gain=exact, missing=nothing)
-        elif int((sizes * sizes).sum()) <= PAIRS:
-            paths = build_step_graph(graph, contacts.reshape(-1), roots, listeners)
-            budget = int(for_search * limits.budget)
-            within = replace(limits, tolerance=tolerated * limits.tolerance, budget=budget)
-            found = PathSearch(paths, within).run()
+        elif searchable:
+            search = search or PathSearch(
+                build_step_graph(graph, contacts.reshape(-1), roots, listeners), crossings
+            )
+            found = search.run(tolerated * tolerance, int(for_search * limits.budget))
             spent += found.work
-        if found.known_to(limits.tolerance):
+        if found.known_to(tolerance):
             break
-    return replace(found, paths=nothing.astype(np.int64) - 1, work=spent + int(frontier.work))
+    return replace(found, paths=uncounted, work=spent + int(frontier.work))

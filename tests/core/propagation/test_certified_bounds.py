@@ -129,7 +129,7 @@ def test_search_with_and_without_merging(seed, threshold, crossings):
     entries = np.flatnonzero(graph.partner >= 0)
     roots, listeners = list(graph.sources[0].nodes), graph.listener_nodes.tolist()
     paths = build_step_graph(graph, entries, roots, listeners)
-    found = PathSearch(paths, PathLimits(crossings, threshold, 0.0, 10**7)).run()
+    found = PathSearch(paths, crossings, threshold).run(0.0, 10**7)
     true = true_sums(graph, None if crossings == math.inf else 9)
     assert found.gain[:, 0].tolist() == pytest.approx(true, rel=1e-12)
     assert found.missing.tolist() == [0.0] * len(listeners)
