@@ -13,7 +13,7 @@ from ...frozen import frozen
 from ..hull import Hull, convex_hull
 from .closed_forms import Separation
 from .cores import Core, CoreTable, Kind, Size
-from .frames import turned
+from .frames import SIDES, turned
 from .hull_triangles import depths_in_hull
 from .penetration import Farthest, penetration, row_dots
 
@@ -38,7 +38,9 @@ _AT_ONCE = 1 << 14
 """Faces of hulls under which triangles are placed at a time: few enough for the processor's
 cache."""
 
-_UPRIGHT = np.eye(3)
+_ALIKE = 1e-6
+"""Metres of depth by which points differ that count as equally deep: those of a face whose
+coordinates are rounded to single precision."""
 
 BOX_CORNERS = np.array([[x, y, z] for x in (1.0, -1.0) for y in (1.0, -1.0) for z in (1.0, -1.0)])
 """The corners (8, 3) of a box of half extents 1."""
@@ -48,15 +50,15 @@ BOX_CORNERS = np.array([[x, y, z] for x in (1.0, -1.0) for y in (1.0, -1.0) for 
 class Convex:
     """A convex body for queries, around its own origin: the hull of ``points`` (n, 3), or of discs
     across the z axis around them with ``radii`` (n,), if it is no polytope; ``hull``: that of
-    points if it is known. ``first`` and
-    ``second``: FCL's objects for the first body of a pair, which stays where it is, and for the
-    second."""
+    points if it is known; ``half`` (3,): half extents of a box. ``first`` and ``second``: FCL's
+    objects for the first body of a pair, which stays where it is, and for the second."""
 
     first: Any
     second: Any
     points: FloatArray
     radii: FloatArray | None = None
     hull: Hull | None = None
+    half: FloatArray | None = None
 
     @property
     def curved(self) -> bool:
@@ -81,7 +83,7 @@ class Convex:
 
     def some_planes(self) -> tuple[FloatArray, FloatArray]:
         """Unit normals (f, 3) and offsets (f,) of some half-spaces that contain the body."""
-        normals = np.concatenate([_UPRIGHT, -_UPRIGHT])
+        normals = SIDES
         if self.hull is not None:
             faces = self.hull.planes()[0]
             normals = np.concatenate([normals, faces[:: -(-len(faces) // _SOME_PLANES) or 1]])
@@ -151,6 +153,7 @@ def convex_of(core: Core, size: int = Size.USUAL) -> Convex:
         case _:
             points = BOX_CORNERS * half
     geometry: Any
+    box = None
     match core.kind:
         case Kind.POINT:
             geometry = fcl.Sphere(_POINT_RADIUS)
@@ -158,11 +161,13 @@ def convex_of(core: Core, size: int = Size.USUAL) -> Convex:
             geometry = fcl.Capsule(_POINT_RADIUS, 2 * z)
         case Kind.BOX:
             geometry = fcl.Box(2 * x, 2 * y, 2 * z)
+            box = half
         case Kind.CYLINDER:
             geometry = fcl.Cylinder(x, 2 * z)
         case Kind.CONE:
             geometry = fcl.Cone(x, 2 * z)
-    return Convex(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), points, radii)
+    objects = fcl.CollisionObject(geometry), fcl.CollisionObject(geometry)
+    return Convex(*objects, points, radii, half=box)
 
 
 def _polytope(hull: Hull) -> Convex:
@@ -295,8 +300,39 @@ def _overlap(
         offset: of the second (3,) [m].
         growth: by which the first is grown [m]; makes bodies overlap that hardly do.
     """
+    if a.half is not None and not growth:
+        corners = b.placed(rotation, offset)(-SIDES) if b.curved else b.points @ rotation.T + offset
+        beneath = _beneath_face(a.half, corners)
+        if beneath is not None:
+            return beneath
     first = (lambda way: a.farthest(way) + growth * way) if growth else a.farthest
     found = penetration(first, b.placed(rotation, offset))
     half = found.normal * (found.depth / 2)
     deepest = np.array([found.middle + half - growth * found.normal, found.middle - half])
     return growth - found.depth, found.normal, deepest
+
+
+def _beneath_face(
+    half: FloatArray, points: FloatArray
+) -> tuple[float, FloatArray, FloatArray] | None:
+    """What `_overlap` returns for a box with these ``half`` extents (3,) at the origin, where a
+    face of it is surely the nearest way out; otherwise None.
+
+    ``points`` (n, 3): of the other body, those farthest against each of the `SIDES` among them. To
+    leave along a normal, the body has to move by the depth of its deepest point beneath that side.
+    If even the deepest point beneath the nearest side is farther from all others, there is no
+    nearer way out. Of several such points in the box, the middle counts.
+    """
+    reach = np.concatenate([half, half])
+    depth = reach - np.concatenate([points.min(axis=0), -points.max(axis=0)])
+    side = int(depth.argmin())
+    normal, least = SIDES[side], float(depth[side])
+    beneath = reach[side] - points @ normal
+    room = reach - SIDES @ points[beneath.argmax()]
+    room[side] = np.inf
+    if least <= 0 or room.min() <= least:
+        return None
+    alike = points[(beneath >= least - _ALIKE) & (np.abs(points) <= half).all(axis=1)]
+    place = alike.sum(axis=0) / len(alike)
+    place[side % 3] = normal[side % 3] * (reach[side] - least)
+    return -least, normal, np.array([place + least * normal, place])

@@ -15,6 +15,9 @@ COLUMN = np.arange(3)[:, None]
 """Numbers of the coordinates as a column, to be compared with an axis (n,) per pair."""
 
 
+SIDES = np.concatenate([np.eye(3), -np.eye(3)])
+"""The normals (6, 3) of the faces of a box."""
+
 _CHUNK = 4096
 
 _MANY = 64

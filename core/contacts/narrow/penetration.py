@@ -18,6 +18,7 @@ import numpy as np
 from ...arrays import FloatArray
 from ...frozen import frozen
 from ..hull import Point, triangle_normal
+from .frames import SIDES
 
 _TOLERANCE = 1e-9
 """Metres between the bounds at which the depth counts as found."""
@@ -37,8 +38,6 @@ faces that differ by less count as one, since coordinates of single precision pu
 on one plane."""
 
 _MOST_CORNERS = 30
-
-_AXES = np.concatenate([np.eye(3), -np.eye(3)])
 
 _NEXT = np.array([1, 2, 0])
 _AFTER_NEXT = np.array([2, 0, 1])
@@ -93,7 +92,7 @@ the first body that they come from."""
 
 def _simplex(supports: _Supports) -> _Polytope | Penetration:
     """A tetrahedron of boundary points, or the penetration of a flat difference."""
-    points, sources = supports(_AXES)
+    points, sources = supports(SIDES)
     a = points[0]
     source_a = sources[0]
     k = int(row_dots(points - a, points - a).argmax())
@@ -101,7 +100,7 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     source_b = sources[k]
     way = b - a
     axis = way / max(_length(way), 1e-300)
-    u = row_cross(axis, _AXES[0 if abs(axis[0]) < 0.7 else 1])
+    u = row_cross(axis, SIDES[0 if abs(axis[0]) < 0.7 else 1])
     u /= _length(u)
     v = row_cross(axis, u)
     points, sources = supports(np.array([u, -u, v, -v]))

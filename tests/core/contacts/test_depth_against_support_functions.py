@@ -87,6 +87,56 @@ def test_no_direction_separates_with_less(first, second, seed, spread):
     assert overlap(everywhere / np.linalg.norm(everywhere, axis=1)[:, None]).min() > depth - 1e-6
 
 
+FLOOR = Box((4, 4, 1))
+
+
+@pytest.mark.parametrize("second", ["hull", "cylinder", "cone"])
+def test_the_nearest_way_out_of_a_floor_is_upwards(second):
+    """Also where the body stands on a face, so that many points are equally deep: their middle
+    counts, wherever it stands."""
+    generator = np.random.default_rng(11)
+    narrow = NarrowPhase([FLOOR, SHAPES[second]])
+    turns = np.concatenate(
+        [rotations(generator.normal(size=(3, 20)) * 2), np.eye(3)[:, :, None]], axis=2
+    )
+    for k in range(21):
+        rotation = turns[..., k]
+        ways = np.concatenate([-rotation[2:], generator.normal(size=(3000, 3))])
+        ways /= np.linalg.norm(ways, axis=1)[:, None]
+        depth, place = generator.uniform(0.001, 0.05), generator.uniform(-1, 1, 2)
+        offset = np.array([*place, 0.5 + height(second, ways[:1])[0] - depth])
+        found = narrow.query(
+            np.array([[0, 1]]), rotation[..., None], offset[:, None], np.full(1, 0.1)
+        )
+        assert found.distance[0] == pytest.approx(-depth, abs=1e-12)
+        assert found.normal[:, 0].tolist() == [0, 0, 1]
+        outwards = -ways @ rotation.T
+        floor = np.abs(outwards) @ [2, 2, 0.5]
+        assert (floor + height(second, ways) - outwards @ offset).min() > depth - 1e-12
+        assert found.centre[2, 0] == pytest.approx(0.5 - depth / 2, abs=1e-12)
+    same = narrow.query(
+        np.array([[0, 1]]), rotation[..., None], offset[:, None] + [[0.3], [0.1], [0]], np.ones(1)
+    )
+    assert same.area[0] == pytest.approx(found.area[0], rel=1e-9)
+
+
+def test_a_bar_that_lies_across_two_rails_touches_each_where_that_is():
+    """Its corners beyond a rail are as deep as those in it, but don't count there."""
+    rail = Box((4, 0.2, 0.2))
+    corners = [(x, y, z) for y in (-1, 1) for x, z in ((0.1, -0.2), (-0.1, -0.2), (0.2, 0.1))]
+    bar = ConvexHull(np.array([*corners, (0, -1.1, 0.2), (0, 1.1, 0.2)]))
+    for side in (-0.95, 0.95):
+        offset = np.array([[0.3], [-side], [0.298]])
+        found = NarrowPhase([rail, bar]).query(
+            np.array([[0, 1]]), np.eye(3)[:, :, None], offset, np.full(1, 0.01)
+        )
+        assert found.distance[0] == pytest.approx(-0.002, abs=1e-12)
+        np.testing.assert_allclose(found.normal[:, 0], [0, 0, 1])
+        # From the rail's inner edge to the end of the bar.
+        middle = [0.3, np.sign(side) * (-0.1 + 0.05) / 2, 0.099]
+        np.testing.assert_allclose(found.centre[:, 0], middle, atol=1e-9)
+
+
 def test_what_is_not_confirmed_is_found_among_others():
     """Cones and cylinders beside hulls, some of whose nearest points FCL does not find to 2e-5, are
     as far apart as each pair alone."""
