@@ -97,6 +97,11 @@ def chosen_of(record: _Record, rows: IntArray | BoolArray) -> _Record:
     )
 
 
+def some_of(record: _Record, rows: BoolArray) -> _Record:
+    """Some of the rows of a record; the record itself if that is all of them."""
+    return record if rows.all() else chosen_of(record, rows)
+
+
 def part_of(record: _Record, rows: slice) -> _Record:
     """A run of the rows of a record, not copied."""
     return type(record)(*(None if value is None else value[..., rows] for value in _values(record)))

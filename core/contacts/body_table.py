@@ -58,8 +58,9 @@ class BodyTable:
 
     def _set_sizes(self, bodies: slice, local: FloatArray) -> None:
         """Set what depends on the ``local`` bounds (k, 2, 3) of some bodies."""
-        self.middle[:, bodies] = local.mean(axis=1).T
-        self.extent[:, bodies] = (np.ptp(local, axis=1) / 2).T
+        low, high = local.transpose(1, 2, 0)
+        self.middle[:, bodies] = (low + high) / 2
+        self.extent[:, bodies] = (high - low) / 2
         self.radius[bodies] = np.sqrt((self.extent[:, bodies] ** 2).sum(axis=0))
         reach = self.reach[bodies] = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
         self.rest_limits[:9, bodies] = STILL / reach.clip(1e-9)

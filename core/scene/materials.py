@@ -25,6 +25,7 @@ import json
 import math
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -107,6 +108,7 @@ _THINGS = {word: material for material in MATERIALS.values() for word in materia
 _ENDINGS = ("", "s", "es", "en", "y", "ic", "ed")
 
 
+@lru_cache(maxsize=1024)
 def named_in(text: str) -> Material | None:
     """The material suggested by an object's name: by a material in it ("Oak Bench.001",
     "rustyMetal_2"), else by the kind of object ("Anvil").

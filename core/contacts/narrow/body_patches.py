@@ -115,7 +115,7 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
         np.concatenate([getattr(f, name) for f in found], axis=-1)
         for name in ("owner", "distance", "normal", "centre", "weight", "area", "within")
     )
-    if len(np.unique(owner)) == len(owner):
+    if len(set(owner.tolist())) == len(owner):
         distance[owner] = np.minimum(distance[owner], each)
         normal[:, owner], centre[:, owner], area[owner] = normals, centres, areas
         kept = np.ones(len(owner), dtype=np.bool_)

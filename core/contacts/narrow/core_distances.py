@@ -25,7 +25,7 @@ from .convex import ConvexDistances, separations
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind, Size
 from .deepest import examine_deepest
-from .frames import relative, turned, turned_back, upwards
+from .frames import relative, turned, turned_back
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 
 
@@ -165,31 +165,17 @@ class CoreDistances:
         """Lower bounds on the distances (n,) of the cores: those of boxes around them."""
         table = self._table
         turn = relative(rows.rotation_a, rows.rotation_b)
-        centre_a, centre_b = self._middles(rows)
+        middle = table.bound_centre
+        centre_a, centre_b = (
+            centre + turned(rotation, taken(middle, core))
+            for core, rotation, centre in (
+                (rows.first, rows.rotation_a, rows.centre_a),
+                (rows.second, rows.rotation_b, rows.centre_b),
+            )
+        )
         offset = turned_back(rows.rotation_a, centre_b - centre_a)
         halves = taken(table.bound_half, rows.first), taken(table.bound_half, rows.second)
         return best_axes(turn, offset, *halves)[0]
-
-    def _middles(self, rows: CorePairs) -> tuple[FloatArray, FloatArray]:
-        """The middles (3, n) of these boxes."""
-        middle = self._table.bound_centre
-        return (
-            rows.centre_a + turned(rows.rotation_a, taken(middle, rows.first)),
-            rows.centre_b + turned(rows.rotation_b, taken(middle, rows.second)),
-        )
-
-    def near_by_fcl(self, rows: CorePairs, limit: FloatArray) -> Separation:
-        """`by_fcl` of the rows whose bounding boxes are within ``limit`` of each other; lower
-        bounds for the others."""
-        bound = self.box_gaps(rows)
-        near = bound <= rows.radius_a + rows.radius_b + limit[rows.owner]
-        if near.all():
-            return self.by_fcl(rows)
-        result = Separation(bound, upwards(len(rows)), *self._middles(rows))
-        chosen = np.flatnonzero(near)
-        if len(chosen):
-            replace_rows(result, chosen, self.by_fcl(chosen_of(rows, chosen)))
-        return result
 
     def _sharp(self, rows: CorePairs) -> BoolArray:
         """Which rows are of two boxes that meet with sharp edges."""

@@ -117,18 +117,21 @@ class CorePairing:
         same kinds, the simpler kind first."""
         table = self._table
         owner, first, second = _products(table.start, pairs)
+        turn_b: FloatArray = taken(rotation, owner)
+        place_b: FloatArray = taken(offset, owner)
+        # The first body of a pair is at the origin.
+        turn_a = np.eye(3)[:, :, None]
+        place_a = np.zeros((3, 1))
+        if table.placed:
+            place_b = place_b + turned(turn_b, taken(table.offset, second))
+            turn_b = product(turn_b, taken(table.rotation, second))
+            turn_a, place_a = taken(table.rotation, first), taken(table.offset, first)
         flipped = table.kind[first] > table.kind[second]
         first, second = np.where(flipped, second, first), np.where(flipped, first, second)
-        # The first body of a pair is at the origin.
-        turn = taken(rotation, owner)
-        place = taken(offset, owner)
-        upright = np.eye(3)[:, :, None]
-        rotation_a, centre_a = self._world(
-            first, np.where(flipped, turn, upright), np.where(flipped, place, 0.0)
-        )
-        rotation_b, centre_b = self._world(
-            second, np.where(flipped, upright, turn), np.where(flipped, 0.0, place)
-        )
+        rotation_a = np.where(flipped, turn_b, turn_a)
+        centre_a = np.where(flipped, place_b, place_a)
+        rotation_b = np.where(flipped, turn_a, turn_b)
+        centre_b = np.where(flipped, place_a, place_b)
         kinds = table.kind[first] * len(Kind) + table.kind[second]
         radius_a, radius_b = (table.radius[Size.USUAL, core] for core in (first, second))
         everything = CorePairs(
@@ -157,16 +160,6 @@ class CorePairing:
                     [table.cores[core].mesh_radius_to_points for core in rows.second.tolist()]
                 )
             yield rows
-
-    def _world(
-        self, core: IntArray, rotation: FloatArray, centre: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Poses of cores of bodies in these poses."""
-        if not self._table.placed:
-            return rotation, centre
-        return product(rotation, taken(self._table.rotation, core)), centre + turned(
-            rotation, taken(self._table.offset, core)
-        )
 
     def mesh(self, core: int) -> MeshIndex:
         """The triangles of a core that is a mesh or a hull."""

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, taken
+from ...arrays import BoolArray, FloatArray, IntArray, some_of, taken
 from .closed_forms import Separation
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind
-from .manifold import PATCH_GAP, ROUGHNESS, Patches, patches
+from .manifold import PATCH_GAP, ROUGHNESS, Patches, for_both, patches
 from .sections import directions, reach, section_area
 from .supporting_feature import FEW, MANY, polygons
 
@@ -21,10 +22,16 @@ _DRAWN_ROUGHLY = np.array([Kind.CYLINDER <= kind <= Kind.HULL for kind in Kind])
 _NEAR = 1e-3
 """Metres from the nearest points of two cores within which their patch must lie."""
 
+_Polygons = tuple[FloatArray, BoolArray, BoolArray]
+"""What `polygons` returns."""
 
 _TOGETHER = 64
 """Number of pairs up to which polygons of few corners count as those of many: one call takes less
 time than several."""
+
+_ALIKE = 8
+"""Number of pairs up to which both polygons count as those of many where either does, so that one
+call is enough for both."""
 
 
 class CorePatches:
@@ -53,76 +60,78 @@ class CorePatches:
                 none,
                 np.zeros(count),
             )
-        first, many_a, wide_a = self._polygons(
-            rows.first, rows.triangle_a, rows.rotation_a, rows.centre_a, normal
-        )
-        second, many_b, wide_b = self._polygons(
-            rows.second, rows.triangle_b, rows.rotation_b, rows.centre_b, -normal
-        )
+        (first, many_a, wide_a), (second, many_b, wide_b) = self._polygons(rows, normal)
         first -= middle[:, None]
         second -= middle[:, None]
         gap = ROUGHNESS if rows.triangle_b is None else PATCH_GAP
         if count <= _TOGETHER:
-            many_a[:], many_b[:] = many_a.any(), many_b.any()
-        parts = []
-        for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
-            alike = np.flatnonzero(
-                (many_a == (corners_a == MANY)) & (many_b == (corners_b == MANY))
-            )
-            if len(alike):
-                parts.append(
-                    (
-                        alike,
-                        patches(
-                            taken(first[:, :corners_a], alike),
-                            taken(second[:, :corners_b], alike),
-                            taken(normal, alike),
-                            gap,
-                        ),
-                    )
+            most_a, most_b = (MANY if many.any() else FEW for many in (many_a, many_b))
+            if count <= _ALIKE:
+                most_a = most_b = max(most_a, most_b)
+            result = patches(first[:, :most_a], second[:, :most_b], normal, gap)
+        else:
+            parts = []
+            for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
+                alike = np.flatnonzero(
+                    (many_a == (corners_a == MANY)) & (many_b == (corners_b == MANY))
                 )
-        result = _merged(count, parts)
+                if len(alike):
+                    features = (
+                        taken(first[:, :corners_a], alike),
+                        taken(second[:, :corners_b], alike),
+                    )
+                    parts.append((alike, patches(*features, taken(normal, alike), gap)))
+            result = _merged(count, parts)
         drawn = np.where(rows.triangle_a is None, self._table.kind[rows.first], Kind.MESH)
         kind = np.maximum(drawn, self._table.kind[rows.second])
-        result = _at_nearest_points(result, _DRAWN_ROUGHLY[kind])
-        area = result.area
+        missing = _DRAWN_ROUGHLY[kind] & _misses_nearest_points(result)
+        centre, area, outline = result.centre, result.area, result.corners
+        if missing.any():
+            centre, area, outline = centre * ~missing, area * ~missing, outline * ~missing
         simpler = self._table.kind[rows.first]
         faceted = (self._table.kind[rows.second] == Kind.HULL) & (
             (simpler == Kind.BOX) | (simpler == Kind.HULL)
         )
         if faceted.any():
-            some = chosen_of(rows, faceted)
+            some = some_of(rows, faceted)
             place = taken(middle, faceted)
             around = directions(taken(normal, faceted))
-            reaches = [
-                reach(self._table, core, rotation, centre, place, around)
-                for core, rotation, centre in (
-                    (some.first, some.rotation_a, some.centre_a),
-                    (some.second, some.rotation_b, some.centre_b),
-                )
-            ]
-            area[faceted] = np.maximum(area[faceted], section_area(reaches))
+            (reach_a,), (reach_b,) = for_both(
+                lambda *cores: (reach(self._table, *cores),),
+                (some.first, some.rotation_a, some.centre_a, place, around),
+                (some.second, some.rotation_b, some.centre_b, place, around),
+            )
+            area[faceted] = np.maximum(area[faceted], section_area(reach_a, reach_b))
         return replace(
             result,
-            centre=middle + result.centre,
+            centre=middle + centre,
             area=area,
-            corners=middle[:, None] + result.corners,
+            corners=middle[:, None] + outline,
             wide=wide_a & wide_b,
         )
 
-    def _polygons(
+    def _polygons(self, rows: CorePairs, normal: FloatArray) -> tuple[_Polygons, _Polygons]:
+        """The supporting features of the first and of the second cores, or the triangles that stand
+        for them: see `polygons`. ``normal`` (3, n): from first to second."""
+        a = rows.first, rows.rotation_a, rows.centre_a, normal
+        b = rows.second, rows.rotation_b, rows.centre_b, -normal
+        if rows.triangle_a is None and rows.triangle_b is None:
+            return for_both(partial(polygons, self._table), a, b)
+        return self._drawn(rows.triangle_a, *a), self._drawn(rows.triangle_b, *b)
+
+    def _drawn(
         self,
-        core: IntArray,
         triangle: IntArray | None,
+        core: IntArray,
         rotation: FloatArray,
         centre: FloatArray,
         direction: FloatArray,
-    ) -> tuple[FloatArray, BoolArray, BoolArray]:
-        """The supporting features of cores, or the triangles that stand for them: see `polygons`.
+    ) -> _Polygons:
+        """The supporting features of cores, or the triangles that stand for them.
 
         Args:
-            core: numbers of the cores (n,).
             triangle: number of the triangle of each mesh (n,), None without meshes.
+            core: numbers of the cores (n,).
             rotation: of the cores (3, 3, n).
             centre: of the cores (3, n) [m].
             direction: towards the other core, unit vectors (3, n).
@@ -133,15 +142,12 @@ class CorePatches:
         return corners, np.zeros(len(core), dtype=np.bool_), np.ones(len(core), dtype=np.bool_)
 
 
-def _at_nearest_points(patch: Patches, rough: BoolArray) -> Patches:
-    """Patches around the origin, the nearest points of their cores; ``rough`` ones that miss it
-    moved there."""
+def _misses_nearest_points(patch: Patches) -> BoolArray:
+    """Which patches (n,) miss the origin, where the nearest points of their cores are: rough ones
+    belong there."""
     low = np.where(patch.used, patch.corners, np.inf).min(axis=1)
     high = np.where(patch.used, patch.corners, -np.inf).max(axis=1)
-    keep = ~(rough & patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=0))
-    return replace(
-        patch, centre=patch.centre * keep, area=patch.area * keep, corners=patch.corners * keep
-    )
+    return np.asarray(patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=0))
 
 
 def _merged(count: int, parts: list[tuple[IntArray, Patches]]) -> Patches:

@@ -42,7 +42,8 @@ class HollowHulls:
 
     def measure(self, body: int, bounds: FloatArray) -> None:
         """Set the size of a body with local ``bounds`` (2, 3)."""
-        self._size[body] = np.ptp(bounds, axis=0).min()
+        if self._any:
+            self._size[body] = np.ptp(bounds, axis=0).min()
 
     def limit(
         self, pairs: IntArray, rotation: FloatArray, offset: FloatArray, found: PairPatches

@@ -10,7 +10,11 @@ smoothly as a body tips.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import BoolArray, FloatArray
 from ...frozen import frozen
@@ -33,6 +37,10 @@ _EDGE_ON = 3e-9
 
 _LINE_GAP = 0.00005
 """Largest gap within a patch of faces that touch along a line or at a point [m]."""
+
+
+_SMALL = 1 << 10
+"""Elements of an array up to which calls take longer than what they compute."""
 
 
 @frozen
@@ -86,29 +94,23 @@ def patches(
     """
     u, v = contact_plane(normal)
     frame = np.array([u, v, normal])
-    a = turned(frame, first)
-    b = turned(frame, second)
+    (a, slope_a, level_a, low_a, high_a), (b, slope_b, level_b, low_b, high_b) = for_both(
+        _projected, (first, frame), (second, frame)
+    )
     # The gap between the two as a linear function over the plane, counted from the least that their
     # farthest corners would leave.
-    slope_a, level_a = _plane(a)
-    slope_b, level_b = _plane(b)
     slope = slope_b - slope_a
-    level = (level_b - b[2].min(axis=0)) + (a[2].max(axis=0) - level_a)
-    low = np.maximum(a[:2].min(axis=1), b[:2].min(axis=1))
-    high = np.minimum(a[:2].max(axis=1), b[:2].max(axis=1))
-    origin = (low + high) / 2
+    level = (level_b - low_b[2]) + (high_a[2] - level_a)
+    origin = (np.maximum(low_a, low_b)[:2] + np.minimum(high_a, high_b)[:2]) / 2
     level = level + dot(slope, origin)
-    a = _counter_clockwise(a[:2] - origin[:, None])
-    b = _counter_clockwise(b[:2] - origin[:, None])
-    after_a = following(a)
-    after_b = following(b)
-    slack = 1e-9 * np.maximum(np.abs(a).max(axis=(0, 1)), np.abs(b).max(axis=(0, 1)))
+    bounds = np.array([low_a, high_a, low_b, high_b])[:, :2]
+    slack = 1e-9 * np.abs(bounds - origin).max(axis=(0, 1))
     # Boundary of the first inside the second, and of the second strictly inside the first: a shared
     # edge counts once.
-    pieces = [
-        _clipped(a, after_a, _lines(b, after_b, slack)),
-        _clipped(b, after_b, _lines(a, after_a, -slack)),
-    ]
+    (a, after_a, lines_a, edge_on_a), (b, after_b, lines_b, edge_on_b) = for_both(
+        _outline, (a[:2], origin, -slack), (b[:2], origin, slack)
+    )
+    pieces = for_both(_clipped, (a, after_a, lines_b), (b, after_b, lines_a))
     start, end = (np.concatenate([piece[k] for piece in pieces], axis=1) for k in range(2))
     used = np.concatenate([piece[2] for piece in pieces])
     # Leave out where the gap is larger; the cut closes the outline from where it goes out to where
@@ -127,7 +129,7 @@ def patches(
     end = np.where(leaves, cut, end)
     area, centre = _area_and_centre(start, end, used, leaves, enters)
     # The half-planes of a polygon seen edge-on enclose a strip without end.
-    found = used.any(axis=0) & (area > 0) & ~_edge_on(a) & ~_edge_on(b)
+    found = used.any(axis=0) & (area > 0) & ~edge_on_a & ~edge_on_b
     centre = np.where(found, centre + origin, 0.0)
     corners = start + origin[:, None]
     return Patches(
@@ -140,6 +142,35 @@ def patches(
         wide=found,
         reach=reach,
     )
+
+
+def for_both(
+    make: Callable[..., tuple[Any, ...]], a: tuple[NDArray[Any], ...], b: tuple[NDArray[Any], ...]
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """What ``make`` returns for the arguments ``a`` and for ``b``, arrays with the pairs along the
+    last axis: in one call where these have the same shapes and are small."""
+    if any(one.shape != other.shape or one.size > _SMALL for one, other in zip(a, b, strict=True)):
+        return make(*a), make(*b)
+    count = a[0].shape[-1]
+    both = make(*(np.concatenate(one, axis=-1) for one in zip(a, b, strict=True)))
+    return tuple(v[..., :count] for v in both), tuple(v[..., count:] for v in both)
+
+
+def _projected(polygon: FloatArray, frame: FloatArray) -> tuple[FloatArray, ...]:
+    """Polygons (3, k, n) in a ``frame`` (3, 3, n) with the contact plane, their planes there as of
+    `_plane`, and their lowest and highest coordinates (3, n)."""
+    placed = turned(frame, polygon)
+    return placed, *_plane(placed), placed.min(axis=1), placed.max(axis=1)
+
+
+def _outline(
+    polygon: FloatArray, origin: FloatArray, outwards: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
+    """Corners (2, k, n) of polygons about an ``origin`` (2, n), counter-clockwise; the next ones;
+    the `_lines` of their edges, so far ``outwards`` (n,); and `_edge_on`."""
+    corners = _counter_clockwise(polygon - origin[:, None])
+    after = following(corners)
+    return corners, after, _lines(corners, after, outwards), _edge_on(corners)
 
 
 def _area_and_centre(

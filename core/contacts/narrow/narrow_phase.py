@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray, chosen_of, joined, taken
+from ...arrays import FloatArray, IntArray, chosen_of, joined, some_of, taken
 from ..shapes import Compound, Shape
 from .body_patches import CoreContacts, PairPatches, core_contacts, reduced
 from .box_pairs import BoxPairs
@@ -116,13 +116,14 @@ class NarrowPhase:
         kept = self.is_mesh[pairs].any(axis=1) & self._is_single[pairs].all(axis=1)
         mine, others = kept.nonzero()[0], (~kept).nonzero()[0]
 
+        if len(mine) == 0:
+            return self._general(pairs, rotation, offset, limit)
+
         def general(rows: IntArray) -> PairPatches:
             return self._general(
                 pairs[rows], taken(rotation, rows), taken(offset, rows), limit[rows]
             )
 
-        if len(mine) == 0:
-            return general(others)
         found = self._known.of(
             [(self._shapes[a], self._shapes[b]) for a, b in pairs[mine].tolist()],
             (taken(rotation, mine), taken(offset, mine), limit[mine]),
@@ -258,10 +259,7 @@ class NarrowPhase:
         others = []
         for rows in self._pairing.groups(pairs, rotation, offset):
             if self._is_on_mesh(rows):
-                gap = self._distances.box_gaps(rows) - rows.radius_a - rows.radius_b
-                far = gap > limit[rows.owner]
-                np.minimum.at(distance, rows.owner[far], gap[far])
-                rows = chosen_of(rows, ~far)
+                rows = self._within(rows, limit, distance)
                 if len(rows) == 0:
                     continue
                 meet = self._surfaces.meet(rows)
@@ -281,23 +279,26 @@ class NarrowPhase:
                 others.append(rows)
         # The rest together: fewer, longer arrays.
         if others:
-            rows = joined(others)
-            closed.append((rows, exact(self._distances.near_by_fcl(rows, limit))))
+            rows = self._within(joined(others), limit, distance)
+            if len(rows):
+                closed.append((rows, exact(self._distances.by_fcl(rows))))
         if closed:
             rows = joined([group for group, _ in closed])
             separated = joined([separated for _, separated in closed])
             is_point = self._table.kind[rows.first] == Kind.POINT
-            for chosen in (is_point.nonzero()[0], (~is_point).nonzero()[0]):
-                if len(chosen):
-                    self._finish(
-                        chosen_of(rows, chosen),
-                        chosen_of(separated, chosen),
-                        limit,
-                        distance,
-                        found,
-                        corners,
-                    )
+            for alike in (is_point, ~is_point):
+                if alike.any():
+                    several = some_of(rows, alike), some_of(separated, alike)
+                    self._finish(*several, limit, distance, found, corners)
         return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, corners)
+
+    def _within(self, rows: CorePairs, limit: FloatArray, distance: FloatArray) -> CorePairs:
+        """The rows whose bounding boxes are within ``limit`` (p,) of each other; lower bounds on
+        the others are added to ``distance`` (p,)."""
+        gap = self._distances.box_gaps(rows) - rows.radius_a - rows.radius_b
+        far = gap > limit[rows.owner]
+        np.minimum.at(distance, rows.owner[far], gap[far])
+        return some_of(rows, ~far)
 
     def _finish(
         self,
@@ -324,9 +325,8 @@ class NarrowPhase:
         np.minimum.at(distance, rows.owner[~near], gap[~near])
         if not near.any():
             return
-        chosen = near.nonzero()[0]
-        rows = chosen_of(rows, chosen)
-        separated = chosen_of(separated, chosen)
+        rows = some_of(rows, near)
+        separated = some_of(separated, near)
         patch = self._patches.patches(rows, separated)
         unsure = ~separated.exact & (patch.gap > _CERTAIN)
         if unsure.any():

@@ -11,13 +11,11 @@ two directions.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from .cores import CoreTable, Kind
-from .frames import added, dot, turned_back
+from .frames import SIDES, added, dot, turned_back
 
 _ANGLES = 2 * np.pi * np.arange(24) / 24
 _POLE = np.array([[0.36], [0.48], [0.8]])
@@ -48,10 +46,10 @@ def directions(normal: FloatArray) -> FloatArray:
     )
 
 
-def section_area(reaches: Sequence[FloatArray]) -> FloatArray:
+def section_area(one: FloatArray, other: FloatArray) -> FloatArray:
     """Area (n,) of what two sections have in common that reach so far (k, n) [m] around a point in
     both: that of the polygon of the places reached, so never more than there is."""
-    both = np.minimum(*reaches)
+    both = np.minimum(one, other)
     return np.asarray(
         added(both * np.concatenate([both[-1:], both[:-1]])) * (np.sin(_ANGLES[1]) / 2)
     )
@@ -81,9 +79,8 @@ def reach(
     result = np.zeros(ways.shape[1:])
     boxes = np.flatnonzero(table.kind[core] == Kind.BOX)
     if len(boxes):
-        sides = np.concatenate([np.eye(3), -np.eye(3)])
         result[:, boxes] = _reach(
-            sides, np.tile(table.outline[:, core[boxes]], (2, 1)), local[:, boxes], ways[..., boxes]
+            SIDES, np.tile(table.outline[:, core[boxes]], (2, 1)), local[:, boxes], ways[..., boxes]
         )
     alike: dict[tuple[int, float], list[int]] = {}
     for row in np.flatnonzero(table.kind[core] == Kind.HULL).tolist():

@@ -61,8 +61,8 @@ def polygons(
     wide = np.ones(count, dtype=np.bool_)
     kind = table.kind[core]
     local = turned_back(rotation, direction)
-    for value in np.unique(kind).tolist():
-        rows = np.flatnonzero(kind == value)
+    for value in sorted(set(kind.tolist())):
+        rows = (kind == value).nonzero()[0]
         towards = taken(local, rows)
         outline = taken(table.outline, core[rows])
         match Kind(value):
