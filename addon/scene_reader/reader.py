@@ -452,10 +452,15 @@ class SceneReader:
         )
         for row, stretch in zip(reread, stretches, strict=True):
             obj = evaluated.get(row) or bpy.data.objects[row]
+            known = self._tagged[row]
             tagged = self._read_object(row, obj, depsgraph, stretch)
-            if tagged != self._tagged[row]:
-                switched |= (tagged.object is None) != (self._tagged[row].object is None)
-                self._tagged[row] = tagged
+            if tagged == known:
+                continue
+            self._tagged[row] = tagged
+            if _is_same_but_shape(tagged, known):
+                reshaped[row] = tagged
+            else:
+                switched |= (tagged.object is None) != (known.object is None)
                 changed = True
         if switched and only is not None:
             self._session_ids = None
@@ -739,6 +744,14 @@ def _differ(stretches: FloatArray, known: FloatArray) -> BoolArray:
     limits = 1e-5 * np.abs(known)
     limits[:, 3:] = limits[:, :3].max(axis=1, keepdims=True)
     return np.asarray(~np.all(np.abs(stretches - known) <= limits, axis=1))
+
+
+def _is_same_but_shape(tagged: Tagged, known: Tagged) -> bool:
+    """Whether nothing but the shape of a haptic object differs from what was ``known`` of it."""
+    if tagged.body is None or known.body is None:
+        return False
+    body = replace(tagged.body, shape=known.body.shape)
+    return replace(tagged, body=body, surface=known.surface) == known
 
 
 def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:

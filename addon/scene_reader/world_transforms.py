@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 import bpy
 import numpy as np
@@ -48,6 +49,21 @@ def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
     along y. Objects are sheared by a parent whose scale differs from axis to axis. Of a
     matrix that is not finite, the transform is 0 and the stretch is not a number.
     """
+    return _split_one(raw.tobytes()) if len(raw) == 1 else _split(raw)
+
+
+@lru_cache(maxsize=16)
+def _split_one(raw: bytes) -> tuple[FloatArray, FloatArray]:
+    """`rigid_transforms` of one matrix, read-only: several things are read of an object that
+    moves."""
+    found = _split(np.frombuffer(raw, dtype=np.float32).reshape(1, 16))
+    for values in found:
+        values.setflags(write=False)
+    return found
+
+
+def _split(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
+    """`rigid_transforms`."""
     columns = raw.T.astype(np.float64, order="C").reshape(4, 4, -1)
     lost = ~np.isfinite(columns).all(axis=(0, 1))
     columns[:, :, lost] = 0.0
