@@ -554,9 +554,11 @@ def plate_energies(plates: Plates, frequency: float) -> FloatArray:
     balance = PowerBalance(
         np.full((1, n), omega * INTERNAL), np.zeros((1, n)), row, column, coupling
     )
-    power = np.zeros((1, 1, n))
-    power[0, 0, 0] = 1.0
-    return np.asarray(solve(balance, power, lambda energy: 1e-13 * energy.max(axis=2)).energy[0, 0])
+    power = np.zeros((n, 1, 1))
+    power[0] = 1.0
+    return np.asarray(
+        solve(balance, power, lambda energy, _: 1e-13 * energy.max(axis=0)).energy[:, 0, 0]
+    )
 
 
 def energy() -> Iterator[Series]:
@@ -618,9 +620,9 @@ def energy() -> Iterator[Series]:
         np.full((1, 2), 4.26e-4 * 0.557),
     )
     power = 2 * math.pi * 500 * (left[0] * left[1] + right[0] * right[1])
-    driven = np.zeros((1, 1, 2))
-    driven[0, 0, 0] = power / (2 * math.pi * 500)
-    modal = solve(balance, driven, lambda energy: 1e-13 * energy.max(axis=2)).energy[0, 0]
+    driven = np.zeros((2, 1, 1))
+    driven[0] = power / (2 * math.pi * 500)
+    modal = solve(balance, driven, lambda energy, _: 1e-13 * energy.max(axis=0)).energy[:, 0, 0]
     yield Series(
         "Plate and cylinder",
         "M. P. Norton, D. G. Karczub, Fundamentals of Noise and Vibration Analysis (2003), "

@@ -6,10 +6,15 @@ approximate solutions E and E' under powers P and P', with residuals r and r', t
 them is ``P'·A⁻¹ P = P'·E + E'·r + r'·A⁻¹ r``: what is not known of it is at most the product of the
 roots of both bounds.
 
-The iteration starts from zero with a Jacobi preconditioner (M. R. Hestenes, E. Stiefel, Journal of
-Research of the National Bureau of Standards 49, 1952). Every column is iterated separately until
-its bound suffices, without BLAS: the result depends bit by bit neither on the other columns,
-nor on earlier frames, nor on the number of threads.
+Rows and columns are scaled to a diagonal of ones. Subsystems without couplings to each other are
+eliminated: what they receive is a sum over their neighbours, so the iteration has fewer unknowns,
+and it converges in about two thirds of the steps. What is left is an M-matrix again, in which the
+damping of the eliminated subsystems counts as their neighbours'.
+
+The iteration starts from zero (M. R. Hestenes, E. Stiefel, Journal of Research of the National
+Bureau of Standards 49, 1952). Every column is iterated separately until its bound suffices, without
+BLAS: the result depends bit by bit neither on the other columns, nor on earlier frames, nor on the
+number of threads.
 """
 
 from __future__ import annotations
@@ -32,17 +37,31 @@ FEW, AT_LEAST = 100, 8
 """With fewer subsystems, whose iterations cost next to nothing, so many come before the first
 evaluation: often that is exact to rounding."""
 
-PADDED = 3
-"""Times that padding to the longest row may enlarge a matrix."""
+WORTHWHILE, ROUNDS = 2048, 4
+"""Couplings of all systems from which on subsystems are eliminated, and how often some are
+chosen."""
 
-TOGETHER = 2**17
+NEVER = 2**62
+"""Rank of subsystems that are not eliminated."""
+
+WIDEST, ADDITION = 24, 3
+"""Most values in a row of a matrix, and products that cost as much as the addition of a further
+row."""
+
+TOGETHER = 2**19
 """Products up to which several systems are multiplied together: more do not stay in the cache."""
+
+KEPT = 0.75
+"""Part of the columns, when no more are left to be iterated, from which on the others are left
+out."""
 
 SMALLEST = 1e-300
 """Added to divisors, so that a column that is solved exactly does not change."""
 
 EPSILON = 64 * float(np.finfo(np.float64).eps)
 """Relative rounding error of one row of a product."""
+
+_WHOLE = np.zeros(1, dtype=np.int64)
 
 
 @frozen
@@ -81,9 +100,9 @@ class Balanced:
     """Energies under each of s powers.
 
     Attributes:
-        energy: (k, s, n), 0 or more.
-        residual: (k, s, n) power less what the energies lose.
-        rounding: (k, s, n) bounds on the rounding errors of the residuals.
+        energy: (n, k, s), 0 or more.
+        residual: (n, k, s) power less what the energies lose.
+        rounding: (n, k, s) bounds on the rounding errors of the residuals.
         bound: (k, s) on the root of ``r·A⁻¹ r`` for the residuals r, rounding included.
     """
 
@@ -96,167 +115,331 @@ class Balanced:
 def solve(
     balance: PowerBalance,
     power: FloatArray,
-    good_enough: Callable[[FloatArray], FloatArray],
+    good_enough: Callable[[FloatArray, FloatArray], FloatArray],
 ) -> Balanced:
     """The energies of k systems under s powers each.
 
     Args:
         balance: the systems.
-        power: (k, s, n), 0 or more.
-        good_enough: gives the tolerated ``bound`` (k, s) of approximate energies (k, s, n).
+        power: (n, k, s), 0 or more.
+        good_enough: gives the tolerated ``bound`` (k, s) of approximate energies (n, k, s) with
+            the bounds (k, s).
     """
-    systems, columns, count = power.shape
-    matrix = _Matrix(balance, columns)
-    found = np.zeros((systems * columns, count))
-    state = _Iteration(
-        matrix,
-        power.reshape(found.shape),
-        np.repeat(balance.damping, columns, axis=0),
-    )
-    first = FIRST_CHECK if count >= FEW else AT_LEAST
-    for iteration in range(ITERATIONS):
-        if iteration >= first and (iteration - first) % CHECKED == 0:
-            found[state.column] = state.energy
-            wanted = good_enough(found.reshape(power.shape)).reshape(-1)
-            state.restrict((state.product > 0) & (state.error_bounds() > wanted[state.column]))
-        if len(state.column) == 0:
-            break
-        state.iterate()
-    found[state.column] = state.energy
-    energy = np.maximum(found, 0.0)
-    matrix.restrict(np.arange(len(found)))
-    residual = power.reshape(energy.shape) - matrix.times(energy)
-    rounding = EPSILON * (2 * matrix.diagonal * energy + power.reshape(energy.shape))
-    left = np.abs(residual) + rounding
-    square = (left**2 / np.repeat(balance.damping, columns, axis=0)).sum(axis=1)
+    count, systems, columns = power.shape
+    if count == 0:
+        return Balanced(power, power, power, np.zeros((systems, columns)))
+    matrix = _Matrix(balance)
+    place, scale = matrix.place, matrix.scale[:, :, None]
+    scaled = power[matrix.order] * scale
+    together = max(1, TOGETHER // (matrix.products * columns))
+    groups = [
+        _Iteration(matrix, scaled, slice(first, min(first + together, systems)))
+        for first in range(0, systems, together)
+    ]
+    done, left = 0, [True]
+    while any(left) and done < ITERATIONS:
+        steps = CHECKED if done else FIRST_CHECK if count >= FEW else AT_LEAST
+        steps = min(steps, ITERATIONS - done)
+        for group in groups:
+            group.iterate(steps)
+        done += steps
+        found = _joined([group.found for group in groups])
+        bound = np.concatenate([group.bound for group in groups])
+        wanted = good_enough((found * scale)[place], bound)
+        left = [group.close(wanted[group.systems]) for group in groups]
+    found = np.maximum(found, 0.0)
+    residual = scaled - _joined([group.lost(found) for group in groups])
+    rounding = EPSILON * (2 * found + scaled)
+    square = (np.abs(residual) + rounding) ** 2 * matrix.decay[:, :, None]
     return Balanced(
-        energy.reshape(power.shape),
-        residual.reshape(power.shape),
-        rounding.reshape(power.shape),
-        np.sqrt(square).reshape(systems, columns),
+        (found * scale)[place],
+        (residual / scale)[place],
+        (rounding / scale)[place],
+        np.sqrt(summed(square[: matrix.kept])) + np.sqrt(summed(square[matrix.kept :])),
     )
+
+
+def summed(values: FloatArray) -> FloatArray:
+    """Sums over the first axis, each in an order that does not depend on how many there are."""
+    if len(values) == 0:
+        return np.zeros(values.shape[1:])
+    return np.asarray(np.add.reduceat(values, _WHOLE, axis=0)[0])
+
+
+def _joined(parts: list[FloatArray]) -> FloatArray:
+    """Values (n, all k, s) of groups of systems."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
 
 
 class _Iteration:
-    """The iteration of those columns (pairs of a system and a power) that are not good enough yet;
-    ``column`` (c,): their numbers."""
+    """The iteration of the columns (pairs of a system and a power) of some systems, until they are
+    good enough.
 
-    def __init__(self, matrix: _Matrix, power: FloatArray, damping: FloatArray) -> None:
-        self._matrix = matrix
-        self._inverse = 1.0 / matrix.diagonal
-        self._damping = damping
-        self.column = np.arange(len(power))
-        self.energy: FloatArray = np.zeros_like(power)
-        self._residual = power.copy()
-        self._direction = power * self._inverse
-        self.product: FloatArray = (power * self._direction).sum(axis=1)
-        self.restrict(self.product > 0)
-
-    def error_bounds(self) -> FloatArray:
-        """Bounds (c,) on the errors, rounding left out."""
-        return np.asarray(np.sqrt((self._residual**2 / self._damping).sum(axis=1)))
-
-    def restrict(self, chosen: BoolArray) -> None:
-        """Iterate only the ``chosen`` (c,) columns from now on."""
-        if chosen.all():
-            return
-        self.column = self.column[chosen]
-        self.product = self.product[chosen]
-        self.energy = self.energy[chosen]
-        self._residual = self._residual[chosen]
-        self._direction = self._direction[chosen]
-        self._inverse = self._inverse[chosen]
-        self._damping = self._damping[chosen]
-        self._matrix.restrict(self.column)
-
-    def iterate(self) -> None:
-        """One step of conjugate gradients."""
-        direction = self._direction
-        applied = self._matrix.times(direction)
-        curvature = (direction * applied).sum(axis=1)
-        step = (self.product / (curvature + SMALLEST))[:, None]
-        self.energy += step * direction
-        applied *= step
-        self._residual -= applied
-        scaled = np.multiply(self._residual, self._inverse, out=applied)
-        following = (self._residual * scaled).sum(axis=1)
-        direction *= (following / (self.product + SMALLEST))[:, None]
-        direction += scaled
-        self.product = following
-
-
-class _Matrix:
-    """The matrix of every system, multiplied by several vectors of each.
-
-    Its rows, which begin with the diagonal, are padded with zeros to the same number of values. If
-    few are long, that is about the mean, and what a row has beyond is in further rows.
+    Attributes:
+        systems: their numbers.
+        found: (n, k, s) energies, in the order and scale of the `_Matrix`.
+        bound: (k, s) on their errors, rounding left out.
     """
 
-    def __init__(self, balance: PowerBalance, columns: int) -> None:
-        systems, count = balance.damping.shape
-        size = np.bincount(balance.row, minlength=count) + 1
-        width = int(size.max(initial=1))
-        if width * count > PADDED * size.sum():
-            width = -(-int(size.sum()) // count)
-        further = (size - 1) // width
-        end = further.cumsum()
-        number = np.arange(len(balance.row)) - (size.cumsum() - size)[balance.row] + balance.row + 1
-        place = (
-            number % width,
-            np.where(
-                number < width,
-                balance.row,
-                count - 1 + (end - further)[balance.row] + number // width,
-            ),
-        )
-        shape = width, count + further.sum()
-        self._column = np.zeros(shape, dtype=np.int64)
-        self._column[0, :count] = np.arange(count)
-        self._column[place] = balance.column
-        self._system_values = np.zeros((systems, *shape))
-        self._system_values[:, 0, :count] = balance.diagonal
-        self._system_values[:, *place] = -balance.coupling
-        self._longer = np.flatnonzero(further)
-        self._begin = (end - further)[self._longer]
-        self._blocks = balance.blocks
-        self._system = np.arange(systems).repeat(columns)
-        self.diagonal = balance.diagonal[self._system]
-        self.restrict(np.arange(len(self._system)))
+    def __init__(self, matrix: _Matrix, power: FloatArray, systems: slice) -> None:
+        power = power[:, systems]
+        count, _, columns = power.shape
+        kept = matrix.kept
+        self.systems = systems
+        self.found = np.zeros_like(power)
+        self.bound = np.zeros(power.shape[1:])
+        self._matrix = matrix
+        self._factors = self._all_factors = matrix.factors(systems, columns)
+        flat = power.reshape(count, -1)
+        self._passed_on = flat[kept:]
+        # Directions; below them what follows from these for the subsystems that are eliminated.
+        self._direction = np.zeros_like(flat)
+        self._direction[kept:] = self._passed_on
+        self._residual = flat[:kept] + matrix.received(self._factors, self._direction)
+        self._direction[:kept] = self._residual
+        self._energy = np.zeros_like(self._residual)
+        self._product = summed(self._residual**2)
+        self._decay = matrix.decay[:kept, systems].repeat(columns, axis=1)
+        # Of the columns that are iterated, the numbers, and which are not good enough yet.
+        self._column = np.arange(len(self._product))
+        self._open = np.ones(len(self._product), dtype=np.bool_)
 
-    def restrict(self, chosen: IntArray) -> None:
-        """Multiply only the vectors of these numbers, which ascend, from now on."""
-        values, system = self._system_values, self._system[chosen]
+    def iterate(self, steps: int) -> None:
+        """So many steps of conjugate gradients."""
+        if not self._open.any():
+            return
+        matrix, factors, residual = self._matrix, self._factors, self._residual
+        direction = self._direction[: matrix.kept]
+        for _ in range(steps):
+            matrix.eliminate(factors, self._direction)
+            applied = matrix.received(factors, self._direction)
+            np.subtract(direction, applied, out=applied)
+            step = self._product / (summed(direction * applied) + SMALLEST)
+            self._energy += step * direction
+            applied *= step
+            residual -= applied
+            following = summed(np.multiply(residual, residual, out=applied))
+            direction *= following / (self._product + SMALLEST)
+            direction += residual
+            self._product = following
+        bound = np.sqrt(summed(np.multiply(residual**2, self._decay)))
+        energy = self._energy
+        if len(self._passed_on):
+            energy = np.concatenate([energy, self._passed_on])
+            matrix.eliminate(factors, energy)
+            energy[matrix.kept :] += self._passed_on
+        number = self._column[self._open]
+        self.found.reshape(len(energy), -1)[:, number] = energy[:, self._open]
+        self.bound.reshape(-1)[number] = bound[self._open]
+
+    def close(self, wanted: FloatArray) -> bool:
+        """Iterate only those columns further whose bounds are above the ``wanted`` (k, s) ones.
+        Returns whether there are any."""
+        above = self.bound > wanted
+        self._open &= above.reshape(-1)[self._column] & (self._product > 0)
+        left = np.flatnonzero(self._open)
+        if 0 < len(left) <= KEPT * len(self._open):
+            self._factors = self._factors.chosen(left)
+            self._column = self._column[left]
+            self._open = self._open[left]
+            self._product = self._product[left]
+            self._residual, self._energy, self._direction, self._decay, self._passed_on = (
+                part.take(left, axis=1)
+                for part in (
+                    self._residual,
+                    self._energy,
+                    self._direction,
+                    self._decay,
+                    self._passed_on,
+                )
+            )
+        return len(left) > 0
+
+    def lost(self, energy: FloatArray) -> FloatArray:
+        """Power (n, k, s) that ``energy`` (n, all k, s) loses."""
+        mine = energy[:, self.systems]
+        flat = np.ascontiguousarray(mine).reshape(len(mine), -1)
+        received = flat.copy()
+        self._matrix.eliminate(self._all_factors, received)
+        received[: self._matrix.kept] = self._matrix.received(self._all_factors, flat)
+        return mine - received.reshape(mine.shape)
+
+
+class _Factors:
+    """What multiplies columns of vectors.
+
+    Attributes:
+        rows, eliminated: values (w, m, c) of the rows that are kept and of the others.
+        runs: of columns of the same system, and its number.
+    """
+
+    def __init__(self, rows: FloatArray, eliminated: FloatArray, system: IntArray) -> None:
+        self.rows, self.eliminated, self._system = rows, eliminated, system
         begin, size = runs(system)
-        self._runs = [
+        self.runs = [
             (slice(first, first + count), int(system[first]))
             for first, count in zip(begin.tolist(), size.tolist(), strict=True)
         ]
-        together = len(values) > 1 and len(chosen) * self._column.size < TOGETHER
-        self._groups = (
-            [(slice(0, len(chosen)), values[system])]
-            if together
-            else [(mine, values[number]) for mine, number in self._runs]
-        )
-        longest = max((mine.stop - mine.start for mine, _ in self._groups), default=0)
-        self._terms = np.empty((longest, *self._column.shape))
 
-    def times(self, vectors: FloatArray) -> FloatArray:
-        """The matrix times ``vectors`` (b, n), one for each of the chosen numbers."""
-        result = np.empty_like(vectors)
-        count = vectors.shape[1]
-        for mine, values in self._groups:
-            terms = self._terms[: mine.stop - mine.start]
-            # All are in range: this mode is only the quickest.
-            vectors[mine].take(self._column, axis=1, out=terms, mode="wrap")
-            terms *= values
-            sums = terms.sum(axis=1)
-            if len(self._longer):
-                further = np.add.reduceat(sums[:, count:], self._begin, axis=1)
-                sums[:, self._longer] += further
-            result[mine] = sums[:, :count]
+    def chosen(self, columns: IntArray) -> _Factors:
+        """Those of some of the columns."""
+        return _Factors(
+            self.rows.take(columns, axis=-1),
+            self.eliminated.take(columns, axis=-1),
+            self._system[columns],
+        )
+
+
+class _Matrix:
+    """The matrix of every system, scaled to a diagonal of ones, from which subsystems without
+    couplings to each other are eliminated.
+
+    Attributes:
+        kept: number of those that are not.
+        order: (n,) numbers of the subsystems: those that are kept, then the others. All arrays that
+            follow, and vectors, have this order.
+        place: (n,) place of each subsystem in it.
+        scale: (n, k) root of the reciprocal diagonal, by which rows and columns are multiplied.
+        decay: (n, k), such that ``r·A⁻¹ r`` of a scaled residual r of those that are kept, or of
+            the others, is at most the sum of its squares times these.
+        products: number of products in a multiplication by a vector.
+    """
+
+    def __init__(self, balance: PowerBalance) -> None:
+        eliminated = _independent(balance)
+        chosen = np.flatnonzero(~eliminated)
+        self.kept = len(chosen)
+        self.order = np.concatenate([chosen, np.flatnonzero(eliminated)])
+        self.place = np.empty_like(self.order)
+        self.place[self.order] = np.arange(len(self.order))
+        scale = np.sqrt(1.0 / balance.diagonal)
+        value = balance.coupling * scale[:, balance.row] * scale[:, balance.column]
+        row, column = self.place[balance.row], self.place[balance.column]
+        inside = row < self.kept
+        self._rows = _Rows(row[inside], column[inside], value[:, inside], self.kept)
+        self._eliminated = None
+        if self.kept < len(self.order):
+            inside = ~inside
+            row = row[inside] - self.kept
+            count = len(self.order) - self.kept
+            self._eliminated = _Rows(row, column[inside], value[:, inside], count)
+        self.products = self._rows.products
+        self._blocks = []
+        for begin, block in balance.blocks:
+            part = slice(begin, begin + block.shape[1])
+            scaled = block * (scale[:, part, None] * scale[:, None, part])
+            self._blocks.append((int(self.place[begin]), scaled))
+        self.scale = scale.T[self.order]
+        self.decay = self._decay((balance.damping + balance.leak).T[self.order] * self.scale)
+
+    def _decay(self, damping: FloatArray) -> FloatArray:
+        """See `_Matrix`; ``damping`` (n, k) with what leaks, scaled."""
+        if self._eliminated is not None:
+            passed_on = damping.copy()
+            passed_on[: self.kept] = 0.0
+            systems = slice(0, damping.shape[1])
+            damping[: self.kept] += self.received(self.factors(systems, 1), passed_on)
+        return np.asarray(1.0 / (self.scale * damping))
+
+    def factors(self, systems: slice, columns: int) -> _Factors:
+        """The factors of so many columns of each of the ``systems``."""
+        system = np.arange(systems.start, systems.stop).repeat(columns)
+        eliminated = np.zeros((0, 0, len(system)))
+        if self._eliminated is not None:
+            eliminated = self._eliminated.repeated(systems, columns)
+        return _Factors(self._rows.repeated(systems, columns), eliminated, system)
+
+    def eliminate(self, factors: _Factors, vectors: FloatArray) -> None:
+        """Write into the last rows of ``vectors`` (n, c) what the subsystems that are eliminated
+        receive."""
+        if self._eliminated is not None:
+            vectors[self.kept :] = self._eliminated.times(factors.eliminated, vectors)
+
+    def received(self, factors: _Factors, vectors: FloatArray) -> FloatArray:
+        """What those that are kept receive (kept, c) from energies ``vectors`` (n, c)."""
+        result = self._rows.times(factors.rows, vectors)
         for begin, block in self._blocks:
             part = slice(begin, begin + block.shape[1])
             # No BLAS: bits are independent of threads and of other columns.
-            for mine, system in self._runs:
-                result[mine, part] -= np.einsum("ij,kj->ki", block[system], vectors[mine, part])
+            for mine, system in factors.runs:
+                among = np.ascontiguousarray(vectors[part, mine].T)
+                result[part, mine] += np.einsum("ij,kj->ki", block[system], among).T
         return result
+
+
+class _Rows:
+    """Some rows of matrices with the same sparsity and different values.
+
+    They are padded with zeros to the same number of values, and what a row has beyond is in further
+    rows.
+
+    Args:
+        row, column: (c,) of each value, sorted by row.
+        value: (k, c).
+        count: number of rows.
+
+    Attributes:
+        products: number of products in a multiplication by a vector.
+    """
+
+    def __init__(self, row: IntArray, column: IntArray, value: FloatArray, count: int) -> None:
+        size = np.bincount(row, minlength=count)
+        widths = np.arange(1, 1 + min(WIDEST, int(size.max(initial=1))))
+        further = np.maximum(size - 1, 0) // widths[:, None]
+        more = further.sum(axis=1)
+        best = int((widths * (count + more) + ADDITION * more).argmin())
+        width, further = int(widths[best]), further[best]
+        end = further.cumsum()
+        number = np.arange(len(row)) - (size.cumsum() - size)[row]
+        place = (
+            number % width,
+            np.where(number < width, row, count - 1 + (end - further)[row] + number // width),
+        )
+        shape = width, count + int(more[best])
+        self.products = shape[0] * shape[1]
+        self._values = np.zeros((*shape, len(value)))
+        self._values[place] = value.T
+        self._source = np.zeros(shape, dtype=np.int64)
+        self._source[place] = column
+        self._count = count
+        self._longer = np.flatnonzero(further)
+        self._begin = (end - further)[self._longer]
+
+    def repeated(self, systems: slice, columns: int) -> FloatArray:
+        """The padded values (w, m, c), for so many columns of each of the ``systems``."""
+        values = self._values[:, :, systems]
+        beside = np.broadcast_to(values[..., None], (*values.shape, columns))
+        return beside.reshape(*values.shape[:2], values.shape[2] * columns)
+
+    def times(self, values: FloatArray, vectors: FloatArray) -> FloatArray:
+        """The rows times ``vectors`` (n, c), of which each has its ``values`` (w, m, c)."""
+        # All are in range: this mode is only the quickest.
+        terms = vectors.take(self._source, axis=0, mode="wrap")
+        terms *= values
+        sums = np.add.reduce(terms, axis=0)
+        result = sums[: self._count]
+        if len(self._longer):
+            result[self._longer] += np.add.reduceat(sums[self._count :], self._begin, axis=0)
+        return np.asarray(result)
+
+
+def _independent(balance: PowerBalance) -> BoolArray:
+    """Which subsystems (n,) are eliminated: of each that is, no neighbour is, and rather those with
+    few couplings."""
+    systems, count = balance.damping.shape
+    chosen = np.zeros(count, dtype=np.bool_)
+    if systems * len(balance.row) < WORTHWHILE:
+        return chosen
+    begin, size = runs(balance.row)
+    node = balance.row[begin]
+    rank = np.full(count, NEVER)
+    # Those with equally many are told apart by numbers that are as good as random.
+    rank[node] = (size << 32) + node * 2654435761 % 2**32
+    for first, block in balance.blocks:
+        rank[first : first + block.shape[1]] = NEVER
+    for _ in range(ROUNDS):
+        found = node[rank[node] < np.minimum.reduceat(rank[balance.column], begin)]
+        chosen[found] = True
+        rank[found] = NEVER
+        rank[balance.column[chosen[balance.row]]] = NEVER
+    return chosen

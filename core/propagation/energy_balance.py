@@ -29,7 +29,7 @@ from ..arrays import BoolArray, FloatArray, IntArray, added_by, connected, range
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, distances
 from ..scene.bands import BAND_COUNT
-from .conjugate_gradients import EPSILON, PowerBalance, solve
+from .conjugate_gradients import EPSILON, PowerBalance, solve, summed
 from .connections import band_factors, lanes_of
 from .subsystems import subsystems
 
@@ -404,45 +404,49 @@ class _Assembly:
         row, region, part = self._inputs
         column = self._column[driven:]
         columns = max(driven, int(column.max(initial=0)) + 1)
-        power = np.zeros((self._lanes, columns, len(self._parts.mass)))
-        power[:, row, region] = part
+        power = np.zeros((len(self._parts.mass), self._lanes, columns))
+        power[region, :, row] = part.T
         first = int(ends.size[:driven].sum())
         number, heard = ends.node[first:] - driven, ends.region[first:]
         weight = ends.distribution[:, first:]
         # Of nodes without a column: the most that their energy is under unit power of their own.
         most = added_by(number, weight**2 / self._balance.damping[:, heard], len(column))
         has_column = column > 0
-        reception = np.where(has_column, OWN, np.sqrt(most))[:, None]
         level = self._levels()
         through = ends.through[:, :driven, None] * ends.through[:, None, driven:]
-        least = np.maximum(SAFETY * through * reception, UNDERFLOW)
 
         def across(energy: FloatArray) -> FloatArray:
-            return added_by(number, energy[:, :driven, heard] * weight[:, None], len(column))
+            arriving = energy[heard, :, :driven].transpose(1, 2, 0) * weight[:, None]
+            return added_by(number, arriving, len(column))
 
-        def good_enough(energy: FloatArray) -> FloatArray:
-            own = added_by(row, part * energy[:, row, region], columns)
+        def reception(bound: FloatArray) -> FloatArray:
+            """Bounds (lanes, 1, o) on the errors of energies under power of the observed nodes."""
+            return np.where(has_column, bound[:, column], np.sqrt(most))[:, None]
+
+        def good_enough(energy: FloatArray, bound: FloatArray) -> FloatArray:
+            own = added_by(row, part * energy[region, :, row].T, columns)
             allowed = np.maximum(PRECISE * level(across(energy), own), INAUDIBLE)
             goal = np.full(own.shape, OWN)
             goal[1:] = OWN_IN_BANDS
+            least = np.maximum(SAFETY * through * reception(np.minimum(bound, goal)), UNDERFLOW)
             goal[:, :driven] = (allowed / least).min(axis=2, initial=OWN)
             return goal
 
         found = solve(self._balance, power, good_enough)
-        own = ((power + found.residual) * found.energy).sum(axis=2)
-        own_error = found.bound**2 + (found.rounding * found.energy).sum(axis=2)
+        own = summed((power + found.residual) * found.energy)
+        own_error = found.bound[0] ** 2 + summed(found.rounding[:, 0] * found.energy[:, 0])
         # What the residuals add, to first order: those of a node's energies under power at another.
+        of_observed = _beside(found.energy[:, :, column])
         rest, rounding = (
-            np.einsum("kdn,kon->kdo", part[:, :driven], found.energy[:, column])
+            np.einsum("kdn,kon->kdo", _beside(part[:, :, :driven]), of_observed)
             for part in (found.residual, found.rounding)
         )
         between = across(found.energy) + np.where(has_column, rest, 0.0)
-        error = found.bound[:, :driven, None] * np.where(
-            has_column, found.bound[:, None, column], reception
-        ) + np.where(has_column, rounding, 0.0)
+        error = found.bound[0, :driven, None] * reception(found.bound)[0]
+        error += np.where(has_column, rounding[0], 0.0)
         squares = level(between, own)
         highest, lowest = (
-            level(between + sign * error, own - sign * own_error)[0] for sign in (1.0, -1.0)
+            level(between[:1] + sign * error, own[:1] - sign * own_error)[0] for sign in (1.0, -1.0)
         )
         doubt = np.maximum(highest - squares[0], squares[0] - lowest)
         doubt += np.where(through[0] > 0, EPSILON * squares[0], 0.0)
@@ -465,3 +469,8 @@ class _Assembly:
             return np.clip(through * across / np.maximum(lost, 1.0) + direct, 0.0, 1.0)
 
         return level
+
+
+def _beside(values: FloatArray) -> FloatArray:
+    """Values (n, k, s) as (k, s, n): those that are summed are side by side in memory."""
+    return np.ascontiguousarray(values.transpose(1, 2, 0))

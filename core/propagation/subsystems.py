@@ -47,8 +47,8 @@ CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
 LIGHTEST = 1e-100
 """Least mass of a region, whose reciprocal is still finite."""
 
-BISECTIONS = 60
-"""Bisection steps to the length over which the gain of a function with spreading falls to 1/e."""
+STEPS = 60
+"""Most steps to the length over which the gain of a function with spreading falls to 1/e."""
 
 SAMPLES, REFINED = 1025, 12
 """Distances at which a function without a closed form is evaluated, to find where it damps, and how
@@ -397,14 +397,20 @@ def damping_lengths(table: ObjectTable, index: IntArray, extent: FloatArray) -> 
     if table.spreading is None:
         lengths[damped] = 1.0 / table.decay[index[damped]]
         return lengths
-    short = np.zeros(len(damped))
-    long = extent[damped]
-    for _ in range(BISECTIONS if len(damped) else 0):
-        middle = (short + long) / 2
-        more = table.costs(index[damped], middle)[1] > 1
-        short = np.where(more, short, middle)
-        long = np.where(more, middle, long)
-    lengths[damped] = long
+    # By Newton's method from 0, which stays below the length: costs are concave.
+    chosen = index[damped]
+    below = np.zeros(len(damped))
+    for _ in range(STEPS):
+        missing = 1.0 - table.costs(chosen, below)[1]
+        slope = table.decay[chosen] + table.spreading.slope(chosen, below)
+        step = np.divide(
+            missing, slope, out=np.zeros_like(slope), where=(missing > 0) & (slope > 0)
+        )
+        reached = np.minimum(below + step, extent[damped])
+        if np.array_equal(reached, below):
+            break
+        below = reached
+    lengths[damped] = below
     return lengths
 
 

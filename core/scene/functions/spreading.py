@@ -102,6 +102,12 @@ class Spreading:
         (n,); it grows with each of the distances."""
         return self.cost(index, one) + self.cost(index, other) - self.cost(index, one + other)
 
+    def slope(self, index: IntArray, distance: FloatArray) -> FloatArray:
+        """The derivative of the cost between points, at each distance that beyond it."""
+        exponent, reference, extent, width, over = self._laws.take(index, axis=1)
+        far = np.where(distance < over, 0.5 / (width + np.maximum(distance - extent, 0.0)), 0.0)
+        return np.where(distance < extent, exponent / (reference + distance), far)
+
     def _unbounded(self, index: IntArray | int, run: FloatArray) -> FloatArray:
         """The cost over a run [m] of waves that go on beyond ``over``."""
         exponent, reference, extent, width, _ = self._laws.take(index, axis=1)

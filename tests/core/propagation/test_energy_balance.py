@@ -164,15 +164,25 @@ def test_parts_that_do_not_touch_and_objects_that_block():
 
 @pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
-@given(SEEDS, st.floats(0.3, 20), st.booleans(), st.sampled_from([2, energy_balance.DENSE]))
-@example(1, 4.0, False, 2)  # regions of an object that lets nothing through over their size
-@example(1, 4.0, False, energy_balance.DENSE)
-@example(7334, 20.0, False, 2)  # hardly anything arrives: powers near the smallest number
+@given(
+    SEEDS,
+    st.floats(0.3, 20),
+    st.booleans(),
+    st.sampled_from([2, energy_balance.DENSE]),
+    st.sampled_from([0, conjugate_gradients.WORTHWHILE]),
+)
+# Regions of an object that lets nothing through over their size.
+@example(1, 4.0, False, 2, conjugate_gradients.WORTHWHILE)
+@example(1, 4.0, False, energy_balance.DENSE, 0)
+# Hardly anything arrives: powers near the smallest number.
+@example(7334, 20.0, False, 2, conjugate_gradients.WORTHWHILE)
+@example(7334, 20.0, False, 2, 0)
 # Regions by a function without a closed form, whose length counts to the last digits.
-@example(7676, 8.0, False, 2)
-def test_within_its_bound_of_the_definition(seed, size, shaped, dense):
+@example(7676, 8.0, False, 2, conjugate_gradients.WORTHWHILE)
+def test_within_its_bound_of_the_definition(seed, size, shaped, dense, worthwhile):
     """The documented equations once more in plain loops, with large objects in regions, whose
-    couplings are a matrix from ``dense`` of them on; 0 exactly where nothing arrives."""
+    couplings are a matrix from ``dense`` of them on, and subsystems eliminated if there are at
+    least ``worthwhile`` couplings; 0 exactly where nothing arrives."""
     scene = connected_scene(seed, (*METRIC, *OTHER), size=size, refined=True, extra=4)
     if shaped:
         random = np.random.default_rng(seed)
@@ -185,6 +195,7 @@ def test_within_its_bound_of_the_definition(seed, size, shaped, dense):
     graph = graph_of_scene(scene)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(energy_balance, "DENSE", dense)
+        patch.setattr(conjugate_gradients, "WORTHWHILE", worthwhile)
         result = propagate(graph, CHOSEN)
     for column in range(len(graph.listeners)):
         exact = energy_gain(graph, 0, column)
@@ -201,8 +212,9 @@ def test_within_its_bound_of_the_definition(seed, size, shaped, dense):
     st.floats(0.5, 1000),
     st.sampled_from([1e-2, 1e-6, 1e-12]),
     st.booleans(),
+    st.sampled_from([0, conjugate_gradients.WORTHWHILE]),
 )
-def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, dense):
+def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, dense, worthwhile):
     """Against LAPACK: certified errors of energies, and of those between nodes once their residuals
     are added, energy conserved but for what leaks, no energy above what is put in, reciprocity; also where the couplings among the middle half are given as a matrix."""
     random = np.random.default_rng(seed)
@@ -224,10 +236,15 @@ def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, 
     )
     coupling = np.stack([matrix[row, column], 0.5 * matrix[row, column]])
     power = np.broadcast_to(np.eye(count)[None], (2, count, count)).copy()
-    found = solve(
-        PowerBalance(damping, leak, row, column, coupling, blocks),
-        power,
-        lambda energy: np.full(energy.shape[:2], wanted),
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(conjugate_gradients, "WORTHWHILE", worthwhile)
+        found = solve(
+            PowerBalance(damping, leak, row, column, coupling, blocks),
+            power.transpose(2, 0, 1),
+            lambda energy, bound: np.full(bound.shape, wanted),
+        )
+    energies, residuals, roundings = (
+        part.transpose(1, 2, 0) for part in (found.energy, found.residual, found.rounding)
     )
     for system, factor in enumerate((1.0, 0.5)):
         full = (
@@ -235,25 +252,25 @@ def test_conjugate_gradients_within_their_bound(seed, count, strongest, wanted, 
         )
         exact = np.linalg.solve(full, power[system])
         # No energy is above 1 under power of its own: so that is a bound on any energy's error, too.
-        doubt, energy = found.bound[system], found.energy[system]
+        doubt, energy = found.bound[system], energies[system]
         assert np.all(np.abs(energy - exact) <= doubt[:, None] + 1e-14)
         assert doubt.max() <= wanted + 1e-11
-        between = energy + found.residual[system] @ energy.T
-        uncertain = np.outer(doubt, doubt) + found.rounding[system] @ energy.T
+        between = energy + residuals[system] @ energy.T
+        uncertain = np.outer(doubt, doubt) + roundings[system] @ energy.T
         assert np.all(np.abs(between - exact) <= uncertain + 1e-14)
         assert np.allclose(
-            ((damping[system] + leak[system]) * found.energy[system]).sum(axis=1),
+            ((damping[system] + leak[system]) * energy).sum(axis=1),
             1,
             atol=count * 6 * doubt.max() + 1e-12,
         )
-        assert np.all(found.energy[system].max(axis=1) <= 1 + doubt)
-        assert np.all(
-            np.abs(found.energy[system] - found.energy[system].T) <= doubt[:, None] + doubt + 1e-14
-        )
+        assert np.all(energy.max(axis=1) <= 1 + doubt)
+        assert np.all(np.abs(energy - energy.T) <= doubt[:, None] + doubt + 1e-14)
 
 
-def test_columns_do_not_depend_on_each_other():
+@pytest.mark.parametrize("worthwhile", [0, conjugate_gradients.WORTHWHILE])
+def test_columns_do_not_depend_on_each_other(worthwhile, monkeypatch):
     """The same bits for a source alone and among others, whenever these are good enough."""
+    monkeypatch.setattr(conjugate_gradients, "WORTHWHILE", worthwhile)
     random = np.random.default_rng(4)
     count = 200
     row = np.sort(random.integers(0, count, 900))
@@ -271,13 +288,15 @@ def test_columns_do_not_depend_on_each_other():
         np.full((1, len(both)), 0.7),
         [(30, block)],
     )
-    power = np.zeros((1, 3, count))
-    power[0, [0, 1, 2], [5, 50, 150]] = 1.0
+    power = np.zeros((count, 1, 3))
+    power[[5, 50, 150], 0, [0, 1, 2]] = 1.0
     goals = np.array([1e-3, 1e-13, 1e-7])
-    together = solve(balance, power, lambda energy: goals[None])
+    together = solve(balance, power, lambda energy, bound: goals[None])
     for number, goal in enumerate(goals):
-        alone = solve(balance, power[:, [number]], lambda energy, goal=goal: np.array([[goal]]))
-        assert alone.energy[0, 0].tobytes() == together.energy[0, number].tobytes()
+        alone = solve(
+            balance, power[:, :, [number]], lambda energy, bound, goal=goal: np.array([[goal]])
+        )
+        assert alone.energy[:, 0, 0].tobytes() == together.energy[:, 0, number].tobytes()
         assert alone.bound[0, 0] == together.bound[0, number]
 
 
