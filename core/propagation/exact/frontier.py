@@ -147,9 +147,9 @@ class Frontier:
                 crossed = values
                 if self._limited:
                     crossed = np.concatenate([np.zeros_like(values[:1]), values[:-1]])
-                total = total + (
-                    crossed[..., found.ended].sum(axis=0) * factors[:, found.ended_factor]
-                ).sum(axis=1)
+                if found.ended:
+                    through = crossed[..., found.ended].sum(axis=0)
+                    total = total + (through * factors[:, found.ended_factor]).sum(axis=1)
                 terms = crossed[..., found.row] * factors[:, found.factor]
                 added = added_by(np.array(found.target, dtype=np.int64), terms, len(states))
                 added[..., : values.shape[-1]] += values
