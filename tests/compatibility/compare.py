@@ -32,7 +32,6 @@ MEANT = HERE / "meant.json"
 ``restore`` the levels (null: none does)."""
 TYPICAL = (
     "blends/0",
-    "samples/jackhammer_bench",
     "scenes/good-",
     "scenes/made",
     "imports/made",

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import bpy
+import pytest
 from haptic_tracing.addon import translations
 from haptic_tracing.addon.translations import sentences
 from haptic_tracing.core.message import Cause, Message, Metres
@@ -32,6 +33,7 @@ def test_every_text_is_translated():
     assert sorted(shown - GERMAN["messages"].keys() - SAME - BLENDERS) == []
 
 
+@pytest.mark.slow
 def test_nothing_is_translated_that_is_not_shown():
     """What none of the two finds stands as a literal in the sources, or names a file of the signal
     library, as it is drawn."""

@@ -74,13 +74,8 @@ def _check_tables(shown):
         assert path.fall.hops
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        name if name == "hammer_nail" else pytest.param(name, marks=pytest.mark.slow)
-        for name in SAMPLES
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SAMPLES)
 def test_levels_compare_and_are_those_of_the_ways_shown(play, name):
     """The properties of `level_properties`; and every way of the overlay ends with the gain that
     the listener gets, over the objects that the Result panel names."""

@@ -427,7 +427,7 @@ class Nonsense(Server):
         b"\x81\x02\xff\xfe",
         b"\x81\x83abcdxyz",
         b"\x88\x02\x00\x01",
-        b"\x89\x7e\xff\xff",
+        pytest.param(b"\x89\x7e\xff\xff", marks=pytest.mark.slow),
         b"\x81\x7f" + (2**62).to_bytes(8, "big"),
         b"\x01\x01a\x01\x01b",
     ],

@@ -168,6 +168,7 @@ def test_costs_and_paths(batch):
         compare()
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6))
 def test_spacing_is_at_most_the_distance_to_the_nearest_node(seed):
