@@ -1,7 +1,7 @@
 # make demo, make test: everything else that is needed is made first. `make help` lists the rest.
 
 PYTHON := .venv/bin/python
-# Files of tests are run side by side, each in one process, in the number and the order of tests/conftest.py.
+# Files of tests are run side by side, each in one process, on as many processors as there are, in the order of tests/conftest.py.
 # A process takes up to 1.5 GB.
 SIDE_BY_SIDE := -n logical --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 MATRIX := 4.2.23 4.5.15 5.0.1 5.2.3

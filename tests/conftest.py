@@ -8,7 +8,7 @@ import gc
 import os
 import sys
 import tempfile
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import own_temporary_folder
@@ -49,13 +49,6 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--stress-operations", type=int, default=300, metavar="N", help="operations in each of them"
     )
-
-
-@pytest.hookimpl(wrapper=True, optionalhook=True)
-def pytest_xdist_auto_num_workers() -> Generator[None, int, int]:
-    """One process more than there are processors: while a test waits for a device, a clock or
-    another program, a test of the others runs."""
-    return 1 + (yield)
 
 
 @pytest.fixture(autouse=True)

@@ -38,6 +38,10 @@ wrong one of them."""
 PAIRS = 1 << 22
 """Most pairs of nodes in a search; a larger scene is not searched."""
 
+LONG = 64
+"""Limit of contacts on a path above which the sum in a forest is taken from the best path, whose
+gain is rounded in its exponent; below it the product of its gains is."""
+
 EXACT = 1e-11
 """Relative difference between two sums up to which they count as equal, because of rounding."""
 
@@ -101,8 +105,8 @@ def bounded_sums(
     """
     no = np.zeros(len(listeners), dtype=np.bool_)
     known = np.all((least[:, 0] > 0) & (least[:, 0] < LARGEST))
-    if known and len(roots) == 1 and not operator.has_cycles:
-        # One path alone leads to each listener; its gain is exactly rounded.
+    if known and limits.crossings > LONG and len(roots) == 1 and not operator.has_cycles:
+        # One path alone leads to each listener.
         return BoundedSums(least, np.zeros(len(no)), no, no, np.ones(len(no), dtype=np.int64), 0)
     sums = sum_over_paths(graph, roots, listeners, limits, costs)
     most = np.where(sums.missing < LARGEST, sums.gain[:, 0] + sums.missing, math.inf)
