@@ -167,7 +167,7 @@ def _shape_of_body(
             return SurfaceShape(_compound(obj, depsgraph, size))
         case kind:
             if not bounds.any():
-                raise ValueError(iface_("its mesh has no vertices"))
+                raise ValueError(_why_empty(obj))
             outside = own if kind == "CONE" else margin
             return SurfaceShape(shape_from_bounding_box(kind, bounds, size.tolist(), outside))
 
@@ -250,15 +250,29 @@ def _surface(obj: Object, depsgraph: Depsgraph, source: str) -> Iterator[Any]:
         mesh = owner.to_mesh()
     except RuntimeError:
         words = iface_(
-            "it is a {} and has no surface; use a mesh, or a listener or source on an empty"
+            "its type, {}, has no surface: use a mesh, or a listener or source on an empty"
         )
-        raise ValueError(words.format(obj.type.lower())) from None
+        types = obj.bl_rna.properties["type"].enum_items
+        raise ValueError(words.format(iface_(types[obj.type].name))) from None
     try:
         if mesh is None or len(mesh.vertices) == 0:
-            raise ValueError(iface_("its mesh has no vertices"))
+            raise ValueError(_why_empty(obj))
         yield mesh
     finally:
         owner.to_mesh_clear()
+
+
+def _why_empty(obj: Object) -> str:
+    """Why the surface of an object has no vertices."""
+    data = obj.data
+    if data is not None and data.library is not None and data.is_missing:
+        words = iface_(
+            "its mesh is not in the library {}: use File > External Data > Find Missing Files"
+        )
+        return words.format(data.library.filepath)
+    if isinstance(data, Mesh) and len(data.vertices) > 0:
+        return iface_("its modifiers leave no vertices of its mesh")
+    return iface_("its mesh has no vertices")
 
 
 def vertices_of(obj: Object, depsgraph: Depsgraph, source: str) -> FloatArray:

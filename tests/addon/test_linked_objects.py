@@ -114,3 +114,20 @@ def test_why_a_linked_source_is_silent(
     found = settle(lambda: explanation.why_silent(scene, shelf))
     causes = [(reason.cause, reason.object) for reason in found.reasons]
     assert (Cause.MUTED, linked["Fan"].name_full) in causes
+
+
+def test_a_missing_library_is_named(scene: Any, add_box: Any, tmp_path: Path, traced: Any) -> None:
+    box = add_box("Box", (0, 0, 0), (1, 1, 1))
+    library = tmp_path / "rig.blend"
+    bpy.data.libraries.write(str(library), {box})
+    bpy.data.objects.remove(box)
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["Box"]
+    scene.collection.objects.link(wanted.objects[0].override_create())
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    library.unlink()
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    traced()
+    (problem,) = session.problems_of(bpy.context.scene)
+    assert problem.object == "Box"
+    assert "rig.blend" in problem.message and "Find Missing Files" in problem.message

@@ -105,7 +105,7 @@ def test_a_mesh_emptied_by_a_modifier_does_not_conduct_after_a_click_elsewhere(b
     bpy.context.view_layer.update()
     assert contacts(scene) == 0
     assert [problem.message for problem in session.problems_of(scene)] == [
-        "its mesh has no vertices"
+        "its modifiers leave no vertices of its mesh"
     ]
     boxes[1].modifiers.remove(modifier)
     bpy.context.view_layer.update()

@@ -110,6 +110,22 @@ def test_a_camera_has_no_surface(sound, traced):
     assert "no surface" in _problems()["eye"]
 
 
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (lambda: bpy.data.armatures.new("x"), "its type, Armature, has no surface"),
+        (lambda: bpy.data.lightprobes.new("x", "SPHERE"), "its type, Light Probe, has no"),
+        (lambda: None, "its type, Empty, has no surface"),
+    ],
+)
+def test_a_type_without_a_surface_has_its_name_in_blender(sound, traced, data, words):
+    thing = bpy.data.objects.new("thing", data())
+    bpy.context.scene.collection.objects.link(thing)
+    thing.haptics.enabled = True
+    _goes_on(traced())
+    assert words in _problems()["thing"]
+
+
 def test_a_rigid_body_without_a_world_is_traced_where_it_stands(add_box, traced):
     box = add_box("box", (0, 0, 0), (1, 1, 1), "ACTIVE")
     box.haptics.source.enabled = box.haptics.listener.enabled = True
