@@ -11,6 +11,7 @@ from ...core.formats.tracks.listener_tracks import Row
 from ..blender import compatibility
 from ..blender.arrays import write_keys
 from ..blender.full_names import object_named
+from ..blender.time import stretching
 from .track import HapticTrack
 
 INTENSITY, FREQUENCY = "haptics.felt.intensity", "haptics.felt.frequency"
@@ -26,7 +27,8 @@ def write_curves(scene: Scene, track: HapticTrack, index: int) -> bool:
     frames = np.arange(track.frame_start, track.frame_end + 1, dtype=np.float32)
     for path, values in zip((INTENSITY, FREQUENCY), felt(track, index), strict=True):
         compatibility.remove_fcurves(obj, {path})
-        write_keys(compatibility.ensure_fcurve(obj, path, _GROUP), frames, values)
+        curve = compatibility.ensure_fcurve(obj, path, _GROUP)
+        write_keys(curve, frames / stretching(scene), values)
     return True
 
 

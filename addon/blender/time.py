@@ -16,6 +16,11 @@ def seconds_of(scene: Scene, frame: float) -> float:
     return (frame - scene.frame_start) * scene.render.fps_base / scene.render.fps
 
 
+def stretching(scene: Scene) -> float:
+    """Frames of the timeline in which a frame of the animation passes, see *Time Stretching*."""
+    return float(scene.render.frame_map_new / scene.render.frame_map_old)
+
+
 def is_playing() -> bool:
     """True while the timeline plays in the context's screen."""
     screen = bpy.context.screen

@@ -14,7 +14,7 @@ from ...core.arrays import FloatArray
 from ...core.signals import DEFAULT_PERSISTENT, Automation, Drawing, Signal
 from ...core.signals.drawn import EMPHASIS_SECONDS, cut
 from ..blender.compatibility import ensure_fcurve, remove_fcurves
-from ..blender.time import frame_seconds
+from ..blender.time import frame_seconds, stretching
 from ..properties.drawing import AMPLITUDE, FREQUENCY, LONGEST, HapticDrawing
 from ..properties.signal_kinds import HERTZ
 from ..scene_reader import animated_curves as animated
@@ -153,6 +153,7 @@ def to_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
         points, kinds = points_of(mapping_of(drawing.id_data, name))
         low, high = (0.0, 1.0) if name == AMPLITUDE else (drawing.lowest, drawing.highest)
         places = points * (frames, high - low) + (scene.frame_start, low)
+        places[:, 0] /= stretching(scene)
         for k in range(1, len(places)):
             places[k, 0] = max(places[k, 0], places[k - 1, 0] + _APART)
         remove_fcurves(obj, [path])
@@ -174,11 +175,11 @@ def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
         if curve is None:
             continue
         points, kinds = _keys(curve)
-        seconds = (points[:, 0] - scene.frame_start) * frame_seconds(scene)
+        seconds = _seconds(points[:, 0], scene)
         if seconds[0] < 0.0 or seconds[-1] > drawing.duration * (1.0 + 1e-6):
             lines = animated.corners(curve)
             part = cut(
-                Automation((lines[:, 0] - scene.frame_start) * frame_seconds(scene), lines[:, 1]),
+                Automation(_seconds(lines[:, 0], scene), lines[:, 1]),
                 drawing.duration,
             )
             seconds = part.times
@@ -197,6 +198,11 @@ def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
             kinds,
         )
     remove_fcurves(obj, list(PATHS.values()))
+
+
+def _seconds(keys: FloatArray, scene: Scene) -> FloatArray:
+    """Times of the frames of keys (n,) in seconds from the scene's first frame."""
+    return (keys * stretching(scene) - scene.frame_start) * frame_seconds(scene)
 
 
 def _keys(curve: Any) -> tuple[FloatArray, list[str]]:

@@ -19,7 +19,7 @@ from ...core.signals.felt_sound import Feel, amplitudes, felt_onsets, vibration
 from ...core.signals.sound import Clip, Heard, block_count, heard, mixed
 from ..blender import compatibility
 from ..blender.single_precision import shortest
-from ..blender.time import frame_seconds, seconds_of
+from ..blender.time import frame_seconds, seconds_of, stretching
 from ..blender.words import TranslatedError, ui_text
 from ..properties.sound import device_profiles, sound_path
 from ..scene_reader.imported import text_of
@@ -226,6 +226,5 @@ def _volume(owner: Any, path: str, value: float, scene: Scene, end: float) -> fl
     if curve is None:
         return shortest(value)
     times = np.arange(max(end, 0.0) // frame_seconds(scene) + 2) * frame_seconds(scene)
-    return Automation(
-        times, [max(curve.evaluate(scene.frame_start + frame), 0.0) for frame in range(len(times))]
-    )
+    frames = (scene.frame_start + np.arange(len(times))) / stretching(scene)
+    return Automation(times, [max(curve.evaluate(frame), 0.0) for frame in frames.tolist()])

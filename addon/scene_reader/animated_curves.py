@@ -14,6 +14,7 @@ from ...core.arrays import FloatArray
 from ...core.signals import Automation
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
+from ..blender.time import frame_seconds, stretching
 from ..properties.signal_kinds import HERTZ
 
 FREQUENCY, ENVELOPE = "haptics.source.frequency", "haptics.source.envelope"
@@ -98,13 +99,16 @@ def _description(curve: Any, scene: Scene) -> tuple[Any, ...]:
         scene.frame_end,
         scene.render.fps,
         scene.render.fps_base,
+        stretching(scene),
     )
 
 
 def _evaluated(curve: Any, scene: Scene, path: str) -> Automation:
     first, last = curve.range()
-    start = min(math.floor(first), scene.frame_start)
-    frames = range(start, min(max(math.ceil(last), scene.frame_end), start + _MOST_FRAMES) + 1)
+    stretch = stretching(scene)
+    start = min(math.floor(first), math.floor(scene.frame_start / stretch))
+    end = max(math.ceil(last), math.ceil(scene.frame_end / stretch))
+    frames = range(start, min(end, start + _MOST_FRAMES) + 1)
     lines = np.zeros((0, 2)) if len(curve.modifiers) else corners(curve)
     around = [
         (frame, curve.evaluate(frame))
@@ -113,5 +117,5 @@ def _evaluated(curve: Any, scene: Scene, path: str) -> Automation:
     ]
     points = np.concatenate([lines, np.array(around).reshape(-1, 2)])
     points = points[np.argsort(points[:, 0], kind="stable")]
-    seconds = (points[:, 0] - scene.frame_start) * (scene.render.fps_base / scene.render.fps)
+    seconds = (points[:, 0] * stretch - scene.frame_start) * frame_seconds(scene)
     return Automation(seconds, np.clip(points[:, 1], *_RANGES[path]))

@@ -22,6 +22,7 @@ from ...core.regular_file import open_regular
 from ..blender.arrays import read_array
 from ..blender.compatibility import animated_paths, fcurves_in, fcurves_of
 from ..blender.paths import local_path
+from ..blender.time import stretching
 from ..blender.units import metres_per_unit
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from .deformation import deformation_of, drives_others, influence_of
@@ -215,8 +216,13 @@ def _may_collide(obj: Object) -> bool:
 
 def _physics(scene: Scene) -> Digest:
     render, world = scene.render, scene.rigidbody_world
+    stretch = round(stretching(scene), 6)
     return {
-        "frame rate": [render.fps, round(render.fps_base, 6)],
+        "frame rate": [
+            render.fps,
+            round(render.fps_base, 6),
+            *(() if stretch == 1.0 else (stretch,)),
+        ],
         "gravity": [round(v, 6) for v in scene.gravity] if scene.use_gravity else None,
         "physics": None if world is None else checksum(values_of(world, _WORLD)),
     }

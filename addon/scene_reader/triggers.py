@@ -14,7 +14,7 @@ from ...core.scene.values import Pose, Trigger, TriggerKind
 from ..blender.arrays import read_array
 from ..blender.compatibility import fcurves_of
 from ..blender.full_names import name_for, object_meant
-from ..blender.time import seconds_of
+from ..blender.time import seconds_of, stretching
 from ..blender.units import metres_per_unit
 from .imported import stored_item
 from .problem import Problem
@@ -121,7 +121,7 @@ def _of_property(obj: Object, scene: Scene, faults: list[tuple[str, str]]) -> It
         )
         yield Trigger(
             TriggerKind.TIMES,
-            tuple(seconds_of(scene, frame) for frame in times),
+            tuple(seconds_of(scene, frame * stretching(scene)) for frame in times),
             tuple(min(s, 1.0) for s in strengths),
         )
 

@@ -83,9 +83,10 @@ def test_a_rounded_curve_is_as_blender_draws_it(drawn, kind):
 
 
 @pytest.mark.parametrize("kinds", ([], ["AUTO", "VECTOR", "AUTO_CLAMPED", "AUTO", "VECTOR"]))
-@pytest.mark.parametrize("fps_base", (1.0, 1.001))
-def test_curves_become_f_curves_and_curves_again(drawn, scene, kinds, fps_base):
+@pytest.mark.parametrize(("fps_base", "stretched"), [(1.0, 100), (1.001, 100), (1.0, 150)])
+def test_curves_become_f_curves_and_curves_again(drawn, scene, kinds, fps_base, stretched):
     scene.render.fps, scene.render.fps_base, scene.frame_start = 30, fps_base, 11
+    scene.render.frame_map_new = stretched
     drawings.write_points(mapping_of(drawn.drawing, "Amplitude"), POINTS, kinds)
     before = emitted()
     assert bpy.ops.haptic.switch_envelopes() == {"FINISHED"}
