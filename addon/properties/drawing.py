@@ -19,7 +19,7 @@ LONGEST = 3600.0
 """Longest drawn signal [s]."""
 
 
-@updating()
+@updating(animated=False)
 class HapticEmphasis(PropertyGroup):
     """A transient of a drawn signal: a short burst at a relative time, with strength and
     sharpness."""
@@ -31,7 +31,7 @@ class HapticEmphasis(PropertyGroup):
     )
 
 
-@updating()
+@updating(animated=False)
 class HapticDrawing(PropertyGroup):
     """Properties of a node group that is a drawn signal."""
 

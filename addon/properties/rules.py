@@ -94,7 +94,7 @@ class HapticTextureTable(TableRows, PropertyGroup):
     items: CollectionProperty(type=HapticTexture)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
-@updating()
+@updating(animated=False)
 class HapticTransmissionRule(RuleScope, ContactParameters, Stored, PropertyGroup):
     """The transmission function of contacts between some objects."""
 

@@ -96,11 +96,13 @@ class HapticSceneProperties(Stored, PropertyGroup):
         "Use Unit Scale",
         "Lengths, speeds, masses and gravity are those that Blender shows; otherwise a unit is a "
         "metre",
+        options=set(),
     )
     impacts_in_units: switch(
         "Impacts in Units",
         "Judge the energy of impacts as if a unit were a metre, where gravity was never adapted "
         "to the unit scale",
+        options=set(),
     )
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)

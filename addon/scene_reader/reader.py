@@ -457,6 +457,8 @@ class SceneReader:
             if tagged == known:
                 continue
             self._tagged[row] = tagged
+            if tagged.animated != known.animated:
+                self._animated.pop(row, None)  # the values were those of other properties
             if _is_same_but_shape(tagged, known):
                 reshaped[row] = tagged
             else:
