@@ -215,3 +215,8 @@ def test_lane(play):
 def test_clicks(play):
     seen = played_through(play(SCENARIOS / "clicks.py"))
     assert all(seen.values()), seen
+
+
+def test_view_layers(play):
+    seen = played_through(play(SCENARIOS / "view_layers.py"))
+    assert all(seen.values()), seen
