@@ -26,7 +26,7 @@ from ...core.scene.values import HapticObject, Listener, Settings, Source, Trigg
 from ..blender import compatibility
 from ..blender.arrays import read_array
 from ..blender.progress import progress
-from ..blender.time import frame_seconds, seconds_of
+from ..blender.time import frame_seconds, seconds_of, stretching
 from ..blender.units import metres_per_unit
 from .animated_curves import AnimatedCurves
 from .bone_parts import BoneParts, armature_of, parts_at_rest, rest_checksum
@@ -86,7 +86,8 @@ class SceneReader:
         self._evaluations = 0  # that were noted since the last reading
         self._layer = ""  # view layer of the objects
         self._metres = 1.0  # per unit
-        self._times = (0, 0, 0.0)  # of the scene: first and last frame, and seconds a frame
+        # Of the scene: first and last frame, seconds a frame, and stretching.
+        self._times = (0, 0, 0.0, 1.0)
         self._instances = NONE
         self._is_instance_moved = False
         self._problems_of_instances: tuple[Problem, ...] = ()
@@ -179,7 +180,7 @@ class SceneReader:
         # Of one that does not name all, more may follow that is not noted.
         self._evaluations = int(evaluation is None or not evaluation.names_all)
         metres = metres_per_unit(scene)
-        times = scene.frame_start, scene.frame_end, frame_seconds(scene)
+        times = scene.frame_start, scene.frame_end, frame_seconds(scene), stretching(scene)
         if (metres, times) != (self._metres, self._times):
             self._metres, self._times, self._session_ids = metres, times, None
         if self._marked(scene) != self._markers or not self._move_instances(depsgraph):

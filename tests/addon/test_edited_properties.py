@@ -78,11 +78,15 @@ def test_materials_rules_and_scene(touching):
     bpy.ops.haptic.add_rule(table="transmission_table")
     row = touching.haptics.transmission_table.items[0]
     row.first_kind, row.first = "MATERIAL", "steel"
+    for frame, frequency in ((1, 50), (20, 90)):
+        other.haptics.source.frequency = frequency
+        other.haptics.source.keyframe_insert("frequency", frame=frame)
     edits = [
         (crate.haptics.material, "name", "steel"),
         (crate.haptics.material, "name", "pine"),
         (other, "name", "renamed"),
         (touching.render, "fps", 60),
+        (touching.render, "frame_map_new", 200),
         (touching, "gravity", (0, 0, -3)),
         (touching, "frame_start", 3),
         (other.haptics.source, "solo", True),
