@@ -28,6 +28,7 @@ from ...core.scene.values import (
     SourceKind,
     TriggerKind,
 )
+from ..blender.full_names import object_named
 from ..blender.single_precision import shortest
 from ..scene_reader.imported import FileContacts, file_contacts, stored_extras
 from ..scene_reader.modalities import read_modality
@@ -92,14 +93,13 @@ def written_frame(
     objects: tuple[HapticObject, ...],
 ) -> HapticScene:
     """`scene_of_result` without contacts, with these ``objects`` of the frame."""
-    found = {obj.name_full: obj for obj in bpy.data.objects}
     shots = {shot.name for shot in result.shots}
     sources = [item for item in result.sources if item.name not in shots]
     sources += [item for item in reading.sources if item.triggers is not None]
     return HapticScene(
         objects=_by_name(objects),
         sources=_by_name(map(_source, sources)),
-        listeners=_by_name(_listener(item, found.get(item.name)) for item in result.listeners),
+        listeners=_by_name(_listener(item, object_named(item.name)) for item in result.listeners),
         settings=reading.settings,
         extras=_extras(scene, result.number),
         rules=reading.contact_settings,

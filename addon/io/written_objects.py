@@ -26,7 +26,9 @@ class WrittenObjects:
         """The objects of a frame with the shapes and poses that they have in it. One that is still
         where its file put it has the pose of the file."""
         changed = np.flatnonzero(self._changed(reading))
-        found = {obj.name_full: obj for obj in bpy.data.objects} if len(changed) else {}
+        found = {}
+        if reading.settled and len(changed):
+            found = {obj.name_full: obj for obj in bpy.data.objects}
         objects = list(self._objects if len(changed) < len(reading.objects) else reading.objects)
         poses = _poses(reading.transforms[changed])
         for i, pose in zip(changed.tolist(), poses, strict=True):
@@ -39,7 +41,7 @@ class WrittenObjects:
         return self._objects
 
     def _changed(self, reading: Reading) -> BoolArray:
-        """Which objects (n,) are others than in the last frame, or elsewhere."""
+        """Which objects (n,) have changed or moved since the last frame."""
         last = self._reading
         if last is None or len(last.objects) != len(reading.objects):
             return np.ones(len(reading.objects), dtype=np.bool_)

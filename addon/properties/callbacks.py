@@ -22,7 +22,8 @@ def changed(self: PropertyGroup, context: Context) -> None:
 
 
 def object_changed(self: PropertyGroup, context: Context) -> None:
-    """Mark the object of this property as changed, on which nothing else depends."""
+    """Mark the object that has this property as changed, and no other: what the tracer reads of
+    others does not depend on the value."""
     mark_changed((self.id_data.session_uid,))
 
 

@@ -44,7 +44,8 @@ _drawings: dict[int, GraphDrawing] = {}  # by session id of the scene
 
 @frozen
 class GraphShapes:
-    """The drawn graph of a frame, and the values it was ``made_of``."""
+    """What is drawn of the graph of a frame: ``data`` and ``quads``, and ``made_of``, the values
+    that they follow from."""
 
     made_of: tuple[HapticGraph, Propagation, Settings, Options]
     data: RenderData

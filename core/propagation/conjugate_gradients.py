@@ -38,8 +38,8 @@ FEW, AT_LEAST = 100, 8
 evaluation: often that is exact to rounding."""
 
 WORTHWHILE, ROUNDS = 2048, 4
-"""Couplings of all systems from which on subsystems are eliminated, and how often some are
-chosen."""
+"""Number of couplings, in all systems together, from which on subsystems are eliminated; and of
+passes over the subsystems in which those to eliminate are chosen."""
 
 NEVER = 2**62
 """Rank of subsystems that are not eliminated."""
@@ -282,7 +282,7 @@ class _Factors:
         ]
 
     def chosen(self, columns: IntArray) -> _Factors:
-        """Those of some of the columns."""
+        """The factors of these ``columns`` alone."""
         return _Factors(
             self.rows.take(columns, axis=-1),
             self.eliminated.take(columns, axis=-1),

@@ -77,8 +77,8 @@ class Mixdown:
 
 
 def with_block(result: FrameResult) -> FrameResult:
-    """A frame with its samples (l, n), rendered now if the trace left them out, as nothing played
-    them."""
+    """A frame with its samples (l, n). They are rendered now if the trace left them out because
+    nothing played them."""
     before = result.before
     if result.block is not None or before is None:
         return result

@@ -119,7 +119,7 @@ class CorePairing:
         owner, first, second = _products(table.start, pairs)
         turn_b: FloatArray = taken(rotation, owner)
         place_b: FloatArray = taken(offset, owner)
-        # The first body of a pair is at the origin.
+        # The frame is that of the first body of each pair, see `NarrowPhase`.
         turn_a = np.eye(3)[:, :, None]
         place_a = np.zeros((3, 1))
         if table.placed:

@@ -106,7 +106,7 @@ def bounded_sums(
     no = np.zeros(len(listeners), dtype=np.bool_)
     known = np.all((least[:, 0] > 0) & (least[:, 0] < LARGEST))
     if known and limits.crossings > LONG and len(roots) == 1 and not operator.has_cycles:
-        # One path alone leads to each listener.
+        # In a forest a single path leads to each listener.
         return BoundedSums(least, np.zeros(len(no)), no, no, np.ones(len(no), dtype=np.int64), 0)
     sums = sum_over_paths(graph, roots, listeners, limits, costs)
     most = np.where(sums.missing < LARGEST, sums.gain[:, 0] + sums.missing, math.inf)
