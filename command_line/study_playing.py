@@ -7,6 +7,7 @@ import time
 from collections import deque
 from contextlib import suppress
 from statistics import median
+from typing import Any
 
 from ..core.arrays import FloatArray
 from .serve.stage import DeviceStage
@@ -18,8 +19,8 @@ BLOCK = RATE // 50
 AHEAD = RATE // 5
 """Samples after the last picture, from which on devices are silent: that many are sent with each
 block."""
-PATIENCE = 3.0
-"""Seconds in which a device that was lost is found again."""
+PATIENCE = 15.0
+"""Seconds in which a device that was lost is found again: longer than a guard takes to start."""
 _PICTURES = 24
 _JUMP = 0.08
 """Seconds of the film by which two pictures differ if it has stood still, or jumped."""
@@ -38,7 +39,6 @@ class FilmPlayer:
         self.halted = ""
         self._lock = threading.RLock()
         self._begin({})
-        threading.Thread(target=self._run, name="haptics film", daemon=True).start()
 
     def _begin(self, tracks: dict[str, FloatArray]) -> None:
         """Fall silent, and play these tracks with the next picture."""
@@ -57,6 +57,10 @@ class FilmPlayer:
         with self._lock:
             self._begin({} if self.halted else tracks)
             self._check()
+            if self._tracks:
+                threading.Thread(
+                    target=self._run, args=[self._tracks], name="haptics film", daemon=True
+                ).start()
 
     def follow(self, film: float, shown: float) -> None:
         """A picture at ``film`` seconds of the film is shown at ``shown`` by
@@ -104,11 +108,14 @@ class FilmPlayer:
             if status.state != "open" or status.losses > losses:
                 self.halt(f"{output.profile.title}: {status.message or 'it was disconnected'}")
 
-    def _run(self) -> None:
-        """The thread that sends blocks when they are due."""
+    def _run(self, tracks: list[Any]) -> None:
+        """The thread that sends blocks of these tracks when they are due, until others are
+        loaded, or none."""
         while True:
             time.sleep(_LOOK)
             with self._lock:
+                if self._tracks is not tracks:
+                    return
                 now, due = time.perf_counter(), self._zero + self._next / RATE
                 if self._zeros and now > self._shown + AHEAD / RATE:
                     self._zeros.clear()

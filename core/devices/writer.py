@@ -31,6 +31,8 @@ RESCAN = 1.5
 REOPEN = 0.1
 """Seconds after which a device is tried again that another output of this process is about to
 close."""
+_CLOSES_WITHIN = 10
+"""Attempts to reopen a device after which it is in use for longer, which is then said."""
 
 # hidapi reports a vanished device only by failing writes; a single failure can be a radio
 # disturbance.
@@ -73,6 +75,7 @@ class DeviceWriter(ThreadedOutput):
         self._stopping = False
         # Written by the thread alone:
         self._wrote = self._lead = 0.0
+        self._refusals = 0
         self._may_vibrate = False
         self.adjust(adjustment or Adjustment())
 
@@ -151,11 +154,17 @@ class DeviceWriter(ThreadedOutput):
             if any(output.status.writing_for > 0.1 for output in tuple(_running)):
                 raise DeviceError("waiting: a write to another device is blocked")
             opened = open_device(hid, self.profile.family, self._serial)
+        except DeviceInUse as error:
+            self._refusals += 1
+            if self._refusals > _CLOSES_WITHIN:
+                self._message = str(error)
+            self._pause(REOPEN)
+            return None
         except OSError as error:
             self._message = str(error)
-            self._pause(REOPEN if isinstance(error, DeviceInUse) else RESCAN)
+            self._pause(RESCAN)
             return None
-        self._message = ""
+        self._message, self._refusals = "", 0
         return opened
 
     def _play(self, opened: Opened) -> None:

@@ -1,7 +1,10 @@
 """The schedule by which tracks follow a film: all blocks, each once and in order, at the film's
 clock."""
 
+import sys
+import threading
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +12,10 @@ import pytest
 from haptic_tracing.command_line.study_playing import AHEAD, BLOCK, RATE, FilmPlayer
 from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.devices.status import Status
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "core" / "devices"))
+
+from fake_hid import until
 
 
 def player_of(sent):
@@ -39,6 +46,7 @@ def test_what_is_missed_without_pictures_is_counted():
     # The devices go on for AHEAD after the last picture of the first half second.
     assert played == pytest.approx(2 * 0.5 + AHEAD / RATE, abs=0.15 + 2 * late)
     assert player.stop() == (0.0, 0.0)
+    assert until(lambda: "haptics film" not in {thread.name for thread in threading.enumerate()})
 
 
 def test_blocks_are_due_by_the_clock_of_the_film():

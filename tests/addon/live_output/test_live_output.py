@@ -86,9 +86,11 @@ def test_another_file_lets_go_of_the_device(sounds):
 
 def test_unregister_lets_go_of_the_device_and_ends_its_thread(sounds):
     haptic_tracing.unregister()
-    assert silent(sounds) and sounds.closed == 1
-    assert not [thread for thread in threading.enumerate() if thread.name.startswith("haptics")]
-    haptic_tracing.register()
+    try:
+        assert silent(sounds) and sounds.closed == 1
+        assert not [thread for thread in threading.enumerate() if thread.name.startswith("haptics")]
+    finally:
+        haptic_tracing.register()
 
 
 def test_panic_stops_everything_and_says_so(sounds, capfd):
