@@ -36,6 +36,9 @@ from . import sessions, worker
 from .derived import shows_samples
 from .sessions import Session, Traced, TraceRequest, known
 
+_LONGEST_STEP = 0.25
+"""Longest time between two frames that playback shows of which the later one follows [s]."""
+
 
 def of(scene: Scene) -> Session:
     """The session of a scene, created at first use."""
@@ -262,7 +265,7 @@ def begin(
     session.tracer.collisions.settings = reading.contact_settings
     duration = frame_seconds(scene)
     whole = scene.frame_subframe == 0
-    continuous = whole and session.last == (scene.frame_current - 1, duration)
+    continuous = whole and _follows(scene, session.last)
     if continuous and session.motion is None:
         session.motion = motion_of(scene)
     _restore_impacts(scene, session, reading, baked_impacts)
@@ -283,6 +286,16 @@ def begin(
         time.monotonic(),
     )
     _submit(session, request, released)
+
+
+def _follows(scene: Scene, last: tuple[int, float] | None) -> bool:
+    """Whether the current frame follows the ``last`` one, see `Session.last`: it is the next one,
+    or soon after it while the timeline plays, because Blender drops frames to keep up."""
+    duration = frame_seconds(scene)
+    if last is None or last[1] != duration:
+        return False
+    step = scene.frame_current - last[0]
+    return step == 1 or (1 < step <= _LONGEST_STEP / duration and is_playing())
 
 
 def keep_impacts(scene: Scene) -> None:

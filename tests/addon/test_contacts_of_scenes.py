@@ -193,6 +193,21 @@ def test_jumps_rate_changes_and_subframes_make_no_impacts(drop, scene):
     assert session.result_of(scene).impacts == ()
 
 
+@pytest.mark.parametrize("step", [2, 5])
+def test_dropped_frames_of_playback_lose_no_blow(drop, scene, monkeypatch, step):
+    """With *Frame Dropping* or *Sync to Audio* the fall ends with the same blow."""
+    monkeypatch.setattr(session, "is_playing", lambda: True)
+    ((_, whole),) = played(scene, range(1, 31))
+    for first in range(1, step + 1):
+        (frame, blow), *others = played(scene, range(first, 31, step))
+        assert others == []
+        assert frame - step < 1 + 24 * whole.time <= frame
+        assert blow.time == pytest.approx(math.sqrt(2 * 2.0 / 9.81), abs=0.004)
+        assert blow.energy == pytest.approx(10 * 9.81 * 2.0, rel=0.03)
+    scene.frame_set(1)
+    assert played(scene, [20]) == []  # too long a gap to say what happened in it
+
+
 def test_the_same_timeline_twice_gives_the_same_bits(drop, scene):
     runs = []
     for _ in range(2):
