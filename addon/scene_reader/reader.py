@@ -46,6 +46,7 @@ from .parented import ParentedPoses
 from .present import present_and_disabled
 from .problem import Problem
 from .reading import Reading
+from .renamed import ObjectsMeant
 from .roles import haptic_carrier, is_silenced, is_tagged, solo_roles
 from .rules import read_tables
 from .settings import read_contact_settings, read_settings, setting_values
@@ -109,6 +110,7 @@ class SceneReader:
         self._settled: frozenset[str] = frozenset()
         self._imported = ImportedContacts()
         self._tables: dict[str, Any] = {}  # of rules
+        self._meant = ObjectsMeant()
         self._problems: tuple[Problem, ...] = ()  # other than those of tagged objects
         self._markers: tuple[tuple[str, int], ...] = ()
         self.solo_roles: frozenset[str] = frozenset()
@@ -306,6 +308,7 @@ class SceneReader:
             for row, obj in enumerate(bpy.data.objects)
             if obj.session_uid in shown and is_tagged(obj)
         }
+        self._meant.follow(depsgraph.scene, tagged.values())
         self._rows = {obj.session_uid: row for row, obj in tagged.items()}
         self._lists = None
         self._rebuilt = {}

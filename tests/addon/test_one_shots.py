@@ -93,6 +93,17 @@ def test_a_body_that_falls_freely_triggers_when_it_passes_a_plane(scene, bell, b
     )
 
 
+def test_triggers_follow_renamed_objects(scene, bell, ball):
+    bpy.ops.mesh.primitive_plane_add(size=1, location=(3.2, 0, 1.5))
+    bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ball", "Plane"
+    scene.frame_set(1)
+    ball.name, bpy.context.object.name = "Kugel", "Ziel"
+    assert [onset for onset, _ in onsets(play(scene))] == pytest.approx(
+        [math.sqrt(2 * 2.5 / G)], abs=1e-5
+    )
+    assert faults(scene) == {}
+
+
 def test_a_region_may_move_and_be_an_empty(scene, bell, ball, add_empty):
     """A cube of 2 m that rises by 1 m/s from where its top is at 0."""
     region = add_empty("region", (3, 0, -1))

@@ -178,6 +178,31 @@ def test_a_bad_file_is_said_beside_its_row_and_the_rest_goes_on(scene, blow, tmp
     assert words in problems(scene)["impact_table", 1]
 
 
+def test_rules_follow_the_objects_that_they_name(scene, crate, add_box, traced):
+    """A rename is followed, also where another object gets the name; what is chosen afterwards
+    is meant by its name of then."""
+    rules = [
+        add_rule(scene, first_kind="OBJECT", first="crate", second_kind="OBJECT", second="ground"),
+        scene.haptics.textures.items.add(),
+        add_rule(scene, first_kind="OBJECT", first="cr*"),
+        add_rule(scene, first_kind="MATERIAL", first="crate"),
+    ]
+    rules[1].second_kind, rules[1].second = "OBJECT", "crate"
+    traced()
+    crate.name = "Kiste \u00e4\u6728"
+    add_box("crate", (3, 0, 0.25), (0.5, 0.5, 0.5))
+    bpy.context.view_layer.update()
+    assert [rules[0].first, rules[0].second, rules[1].second] == [crate.name, "ground", crate.name]
+    assert [rules[2].first, rules[3].first] == ["cr*", "crate"]
+    rules[0].first = "crate"
+    bpy.context.view_layer.update()
+    assert rules[0].first == "crate"
+    bpy.data.objects.remove(bpy.data.objects["crate"])
+    bpy.context.view_layer.update()
+    traced()
+    assert problems(scene)["impact_table", 0] == "there is no haptic object 'crate'"
+
+
 @pytest.mark.parametrize(
     ("side", "words"),
     [(("OBJECT", "anvil"), "there is no haptic object 'anvil'"), (("MATERIAL", "Cheese"), "nothing is made of a material 'Cheese'"),
