@@ -27,7 +27,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, added_by, connected, ranges, runs
 from ..frozen import frozen
-from ..graph.haptic_graph import HapticGraph, distances
+from ..graph.haptic_graph import HapticGraph, lengths
 from ..scene.bands import BAND_COUNT
 from .conjugate_gradients import EPSILON, PowerBalance, solve, summed
 from .connections import band_factors, lanes_of
@@ -266,7 +266,8 @@ class _Assembly:
             begin[size >= DENSE].tolist(), size[size >= DENSE].tolist(), strict=True
         ):
             part = slice(first, first + count)
-            apart = distances(parts.centre[part, None], parts.centre[part])
+            centre = parts.centre[:, part]
+            apart = lengths(*(centre[:, :, None] - centre[:, None]))
             value = self._squares(parts.of_object[part].repeat(count), apart.reshape(-1)).reshape(
                 -1, count, count
             )
@@ -282,7 +283,8 @@ class _Assembly:
         a = ranges(begin, size).repeat(each)
         b = ranges(begin.repeat(size), each)
         a, b = a[a != b], b[a != b]
-        value = self._squares(parts.of_object[a], distances(parts.centre[a], parts.centre[b]))
+        apart = lengths(*(parts.centre.take(a, axis=1) - parts.centre.take(b, axis=1)))
+        value = self._squares(parts.of_object[a], apart)
         return a, b, value * loss[:, a] * loss[:, b], blocks
 
     def _attached(self) -> _Attachments:
@@ -300,7 +302,8 @@ class _Assembly:
         first = size.cumsum() - size
         which = np.arange(len(node)).repeat(size)
         region = ranges(begin, size)
-        away = distances(graph.node_position[node[which]], parts.centre[region])
+        place = graph.node_position.T.take(node[which], axis=1)
+        away = lengths(*(place - parts.centre.take(region, axis=1)))
         squares = self._squares(index[which], away)
         arriving = squares[0]
         if graph.reach is not None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray, added_by, runs
 from ..frozen import frozen
-from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, distances, lengths
+from ..graph.haptic_graph import HapticGraph, NoGain, ObjectTable, lengths
 
 REGIONS, MOST_REGIONS = 128, 1024
 """Most regions of one object, about, where most of its contacts are, and where all of them are: the
@@ -41,8 +41,8 @@ DENSE = 64
 """Most cells per row for which rows are numbered through a table of all cells instead of by
 sorting."""
 
-CORNERS = np.array(list(itertools.product((0, 1), repeat=3)))
-"""The lattice points around a place, relative to the lowest."""
+CORNERS = np.array(list(itertools.product((0, 1), repeat=3))).T
+"""The lattice points (3, 8) around a place, relative to the lowest."""
 
 LIGHTEST = 1e-100
 """Least mass of a region, whose reciprocal is still finite."""
@@ -65,7 +65,7 @@ class Subsystems:
 
     Attributes:
         of_object: (r,) object of each subsystem.
-        centre: (r, 3) middle of its contacts [m].
+        centre: (3, r) middle of its contacts [m].
         mass: (r,) in (0, 1]: of a region, the largest part of a contact in it, relative to the
             object's strongest contact; of an undivided object 1.
         uptake: (r,) power that it takes up per energy and mass if it loses nothing: `LEAST` in an
@@ -95,12 +95,14 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     used = object_of[begin]
     slot = np.arange(len(begin)).repeat(size)
     strength = graph.weight[graph.contact[nodes]]
-    position = graph.node_position[nodes]
+    position = graph.node_position.T.take(nodes, axis=1)
     on_object = _on_objects(graph, position, object_of)
     which, region, weight, of_object, divided, uptake = _attached(
         graph, position, on_object, strength, used, slot, begin
     )
-    place = np.where(divided[region, None] > 0, position[which], on_object[which])
+    place = np.where(
+        divided[region] > 0, position.take(which, axis=1), on_object.take(which, axis=1)
+    )
     centre, part, away, largest = _extents(strength[which] * weight, place, region, len(of_object))
     strongest = np.maximum.reduceat(strength, begin)
     mass = np.where(
@@ -110,7 +112,7 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
 
 
 def _on_objects(graph: HapticGraph, position: FloatArray, index: IntArray) -> FloatArray:
-    """Places (n, 3) of contacts on objects ``index`` (n,), those beyond the bounding box at its
+    """Places (3, n) of contacts on objects ``index`` (n,), those beyond the bounding box at its
     nearest point: an object damps no farther than it reaches."""
     frames = graph.frames
     shaped = np.flatnonzero(~np.isnan(frames.size[index, 0]))
@@ -118,10 +120,10 @@ def _on_objects(graph: HapticGraph, position: FloatArray, index: IntArray) -> Fl
         return position
     index = index[shaped]
     axes, half = frames.axes[index], frames.size[index] / 2
-    along = (axes * (position[shaped] - frames.centre[index])[:, :, None]).sum(axis=1)
+    along = (axes * (position[:, shaped].T - frames.centre[index])[:, :, None]).sum(axis=1)
     beyond = along - np.minimum(np.maximum(along, -half), half)
     result = position.copy()
-    result[shaped] -= (axes * beyond[:, None]).sum(axis=2)
+    result[:, shaped] -= (axes * beyond[:, None]).sum(axis=2).T
     return result
 
 
@@ -138,7 +140,7 @@ def _attached(
 
     Args:
         graph: the scene.
-        position: of the contacts (n, 3) [m].
+        position: of the contacts (3, n) [m].
         on_object: the same, nowhere beyond their objects.
         strength: their weights (n,).
         used: objects with contacts (m,).
@@ -150,15 +152,16 @@ def _attached(
         subsystem (r,), whether that is divided, and its uptake (r,).
     """
     count = len(used)
-    middle = graph.frames.centre[used]
-    radius = lengths(*graph.frames.size[used].T) / 2
+    middle = graph.frames.centre.T.take(used, axis=1)
+    radius = lengths(*graph.frames.size.T.take(used, axis=1)) / 2
     unknown = np.flatnonzero(np.isnan(radius))
     if len(unknown):
-        first, last = _trimmed_ends(position, strength, slot, count)[:, unknown]
-        middle[unknown] = (first + last) / 2
-        radius[unknown] = distances(first, last) / 2
-    relative = np.minimum(np.maximum(position - middle[slot], -HIGHEST), HIGHEST)
-    reach = np.minimum(distances(on_object, middle[slot]), HIGHEST)
+        first, last = _trimmed_ends(position, strength, slot, count)[..., unknown]
+        middle[:, unknown] = (first + last) / 2
+        radius[unknown] = lengths(*(first - last)) / 2
+    about = middle.take(slot, axis=1)
+    relative = np.minimum(np.maximum(position - about, -HIGHEST), HIGHEST)
+    reach = np.minimum(lengths(*(on_object - about)), HIGHEST)
     farthest = np.maximum.reduceat(reach, begin)
     extent = np.minimum(2 * np.maximum(radius, farthest), HIGHEST)
     spacing = damping_lengths(graph.table, used, extent)
@@ -169,13 +172,12 @@ def _attached(
         return everyone, slot, np.ones(len(slot)), used, np.zeros(count), uptake
     inside = divided[slot]
     chosen = np.flatnonzero(inside)
-    axes = graph.frames.axes[used[slot[chosen]]]
-    off = relative[chosen]
-    local = axes[:, 0] * off[:, :1] + axes[:, 1] * off[:, 1:2] + axes[:, 2] * off[:, 2:]
+    axes = graph.frames.axes.transpose(1, 2, 0).take(used[slot[chosen]], axis=2)
+    off = relative.take(chosen, axis=1)
+    local = axes[0] * off[0] + axes[1] * off[1] + axes[2] * off[2]
     total = np.asarray(np.bincount(slot, weights=strength, minlength=count), dtype=np.float64)
-    contact, cell, weight = _lattice(local, strength[chosen], spacing, slot[chosen], total)
+    contact, cells, region, weight = _lattice(local, strength[chosen], spacing, slot[chosen], total)
     contact = chosen[contact]
-    cells, region = _numbered(np.concatenate([slot[contact][None], cell.T]))
     of_slot = np.concatenate([np.flatnonzero(~divided), cells])
     order = np.argsort(of_slot, kind="stable")
     number = np.empty_like(order)
@@ -199,21 +201,21 @@ def _attached(
 def _trimmed_ends(
     place: FloatArray, strength: FloatArray, slot: IntArray, count: int
 ) -> FloatArray:
-    """Ends (2, count, 3) along each axis of the range in which most contacts of each object lie:
+    """Ends (2, 3, count) along each axis of the range in which most contacts of each object lie:
     the mean position of the contacts between the quantiles `TAILS`, and between those quantiles
     counted from the other end. Unlike the extreme contacts, these change continuously when a weak
     contact comes or goes.
 
     Args:
-        place: of the contacts (n, 3) [m].
+        place: of the contacts (3, n) [m].
         strength: their weights (n,).
         slot: which object each contact is on (n,), ascending.
         count: number of objects.
     """
     begin, size = runs(slot)
-    ends = np.zeros((2, count, 3))
-    ends[0, slot[begin]] = np.minimum.reduceat(place, begin)
-    ends[1, slot[begin]] = np.maximum.reduceat(place, begin)
+    ends = np.zeros((2, 3, count))
+    ends[0][:, slot[begin]] = np.minimum.reduceat(place, begin, axis=1)
+    ends[1][:, slot[begin]] = np.maximum.reduceat(place, begin, axis=1)
     weight = np.maximum(strength, np.finfo(np.float64).tiny)
     weight = weight / np.bincount(slot, weights=weight, minlength=count)[slot]
     # Where the first and the last contact are more than that, their places are these means.
@@ -225,14 +227,16 @@ def _trimmed_ends(
     begin, size = runs(slot)
     chosen = slot[begin]
     objects_before = np.arange(len(begin)).repeat(size)  # each adds 1 to the sum
-    along = place[many].T
-    order = np.lexsort((along, np.broadcast_to(slot, along.shape)))
+    along = place[:, many]
+    # Short numbers are sorted in linear time.
+    short = slot.astype(np.min_scalar_type(count))
+    order = np.lexsort((along, np.broadcast_to(short, along.shape)))
     along = np.take_along_axis(along, order, axis=1)
     part = weight[order]
     above = part.cumsum(axis=1) - objects_before
     for end, (low, high) in zip(ends, (TAILS, (1 - TAILS[1], 1 - TAILS[0])), strict=True):
         within = np.maximum(np.minimum(above, high) - np.maximum(above - part, low), 0.0)
-        end[chosen] = np.add.reduceat(within * along, begin, axis=1).T / (high - low)
+        end[:, chosen] = np.add.reduceat(within * along, begin, axis=1) / (high - low)
     return ends
 
 
@@ -242,29 +246,31 @@ def _lattice(
     spacing: FloatArray,
     slot: IntArray,
     total: FloatArray,
-) -> tuple[IntArray, IntArray, FloatArray]:
+) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
     """Distribute contacts to the points of their objects' lattices, with multilinear weights.
 
     Args:
-        local: places of the contacts in the axes of their objects, about the middle (n, 3) [m].
+        local: places of the contacts in the axes of their objects, about the middle (3, n) [m].
         strength: their weights (n,).
         spacing: of the lattice of each object (m,) [m].
         slot: which object each contact is on (n,), ascending.
         total: sum of the weights of all contacts of each object (m,).
 
     Returns:
-        Number of the contact (a,), ascending; lattice point (a, 3); weight (a,) > 0, which add up
-        to 1 for each contact.
+        Number of the contact (a,), ascending; the ``slot`` of each region (r,), that is, of each
+        lattice point with a contact; region (a,); weight (a,) > 0, which add up to 1 for each
+        contact.
     """
-    step = _coarsened(local, strength, spacing, slot, total)[slot, None]
+    step = _coarsened(local, strength, spacing, slot, total)[slot]
     along = np.sign(local) * np.minimum(np.maximum(np.abs(local) / step - 0.5, 0.0), FARTHEST)
     base = np.floor(along)
-    x, y, z = np.stack([1.0 - (along - base), along - base], axis=-1).transpose(1, 0, 2)
+    x, y, z = np.stack([1.0 - (along - base), along - base], axis=-1)
     weight = (x[:, :, None, None] * y[:, None, :, None] * z[:, None, None, :]).reshape(-1)
     near = np.flatnonzero(weight)
-    place = near // len(CORNERS)
-    corner = near % len(CORNERS)
-    return place, base[place].astype(np.int64) + CORNERS[corner], weight[near]
+    place = near // 8
+    corner = near % 8
+    cells, region = _numbered(slot, base.astype(np.int64), place, corner)
+    return place, cells, region, weight[near]
 
 
 def _coarsened(
@@ -281,7 +287,7 @@ def _coarsened(
     for each contact. The harmonic mean of the two is a continuous estimate.
 
     Args:
-        local: places of the contacts in the axes of their objects, about the middle (n, 3) [m].
+        local: places of the contacts in the axes of their objects, about the middle (3, n) [m].
         strength: their weights (n,).
         spacing: of the lattice of each object without that limit (m,) [m], which is changed.
         slot: which object each contact is on (n,), ascending.
@@ -291,11 +297,13 @@ def _coarsened(
     many = (around > REGIONS)[slot]
     if not many.any():
         return spacing
-    local = local[many]
+    local = local[:, many]
     slot = slot[many]
     begin, _ = runs(slot)
-    whole = np.zeros((len(spacing), 3))
-    whole[slot[begin]] = np.maximum.reduceat(local, begin) - np.minimum.reduceat(local, begin)
+    whole = np.zeros((3, len(spacing)))
+    whole[:, slot[begin]] = np.maximum.reduceat(local, begin, axis=1) - np.minimum.reduceat(
+        local, begin, axis=1
+    )
     inner = 1 - sum(TAILS)
 
     def too_many(extent: FloatArray, regions: int) -> tuple[IntArray, FloatArray]:
@@ -307,7 +315,7 @@ def _coarsened(
             out=np.full(len(around), math.inf),
             where=around > regions,
         )
-        points = (1.0 + extent / np.maximum(spacing, 1e-300)[:, None]).prod(axis=1)
+        points = (1.0 + extent / np.maximum(spacing, 1e-300)).prod(axis=0)
         return np.flatnonzero(points > most), most
 
     if len(too_many(whole / inner, REGIONS)[0]) == 0:
@@ -317,35 +325,51 @@ def _coarsened(
         exceeded, most = too_many(extent, regions)
         for number in exceeded.tolist():
             spacing[number] = _coarse_enough(
-                extent[number], float(spacing[number]), float(most[number])
+                extent[:, number].tolist(), float(spacing[number]), float(most[number])
             )
     return spacing
 
 
-def _coarse_enough(extent: FloatArray, spacing: float, most: float) -> float:
+def _coarse_enough(extent: list[float], spacing: float, most: float) -> float:
     """The spacing [m] at which a lattice has ``most`` points within an ``extent`` (3,) [m], by
     bisection upwards from a finer ``spacing``."""
     fine = math.log(max(spacing, 1e-300))
-    coarse = math.log(float(extent.max())) + 1.0
+    coarse = math.log(max(extent)) + 1.0
     for _ in range(60):
         middle = (fine + coarse) / 2
         fine, coarse = (
             (middle, coarse)
-            if float((1.0 + extent / math.exp(middle)).prod()) > most
+            if math.prod([1.0 + along / math.exp(middle) for along in extent]) > most
             else (fine, middle)
         )
     return math.exp(coarse)
 
 
-def _numbered(keys: IntArray) -> tuple[IntArray, IntArray]:
-    """Distinct columns of ``keys`` (4, n) in ascending order, of which the first row is returned,
-    and the number of each column."""
+def _numbered(
+    slot: IntArray, base: IntArray, place: IntArray, corner: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Distinct cells in ascending order.
+
+    Args:
+        slot: which object each contact is on (n,).
+        base: the lowest lattice point around each (3, n).
+        place: number of the contact (a,).
+        corner: number in `CORNERS` of the lattice point (a,).
+
+    Returns:
+        The ``slot`` of each cell, that is, of each object's lattice point that occurs, and the
+        number of the cell (a,).
+    """
+    keys = np.concatenate([slot[None], base])
     low = keys.min(axis=1)
-    size = (keys.max(axis=1) - low + 1).tolist()
+    size = (keys.max(axis=1) - low + [1, 2, 2, 2]).tolist()
     if math.prod(size) >= 2**62:
+        keys = keys.take(place, axis=1)
+        keys[1:] += CORNERS.take(corner, axis=1)
         _, first, which = np.unique(keys, axis=1, return_index=True, return_inverse=True)
         return keys[0, first], which.reshape(-1)
-    key = np.ravel_multi_index(tuple(keys - low[:, None]), size)
+    key = np.ravel_multi_index(tuple(keys - low[:, None]), size)[place]
+    key += np.ravel_multi_index(tuple(CORNERS), size[1:])[corner]
     if math.prod(size) > DENSE * len(key):
         cells, which = np.unique(key, return_inverse=True)
     else:
@@ -367,15 +391,15 @@ def _extents(
     other contact counts with itself as the rest.
 
     Returns:
-        Middle (r, 3) of each region, parts (a,) of its strengths, typical distances (a,), and the
+        Middle (3, r) of each region, parts (a,) of its strengths, typical distances (a,), and the
         largest strength (r,).
     """
     strength = np.maximum(strength, np.finfo(np.float64).tiny)
     total = np.bincount(region, weights=strength, minlength=count)
-    centre = (added_by(region, strength * position.T, count) / total).T.copy()
+    centre = added_by(region, strength * position, count) / total
     own = np.bincount(region, weights=strength * strength, minlength=count)
     ratio = total * np.sqrt(2 / np.maximum(total * total - own, 2.0))
-    away = np.minimum(distances(position, centre[region]) * ratio[region], HIGHEST)
+    away = np.minimum(lengths(*(position - centre.take(region, axis=1))) * ratio[region], HIGHEST)
     largest = np.zeros(count)
     np.maximum.at(largest, region, strength)
     return centre, strength / total[region], away, largest
