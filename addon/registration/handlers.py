@@ -251,10 +251,11 @@ _HANDLERS = Handlers(
 
 
 def register() -> None:
-    """Start listening to Blender's events."""
+    """Start listening to Blender's events, and trace the scenes that are shown."""
     _HANDLERS.add()
     live_output.register()
     vr.register()
+    _trace_soon()
 
 
 def unregister() -> None:

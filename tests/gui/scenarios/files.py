@@ -24,6 +24,18 @@ def steps(window):
     bpy.context.scene.frame_set(2)
     window.seen["traced after reload"] = session.result_of(bpy.context.scene).number == 2
 
+    sessions = window.module("addon.session.sessions")
+
+    def is_shown():
+        return sessions.shown(bpy.context.scene) is not None
+
+    extension = sessions.__name__.partition(".addon.")[0]
+    bpy.ops.preferences.addon_disable(module=extension)
+    yield
+    bpy.ops.preferences.addon_enable(module=extension)
+    yield from window.wait_until(is_shown)
+    window.seen["traced when enabled"] = is_shown()
+
     first = bpy.context.scene
     second = bpy.data.scenes.new("Other")
     bpy.context.window.scene = second
