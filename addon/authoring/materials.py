@@ -101,6 +101,19 @@ def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None
                 obj.haptics.material_k = transfer_coefficient(obj.haptics.kappa, obj.haptics.rho)
 
 
+def meet_flesh(scene: Scene, objects: Iterable[Object]) -> None:
+    """If some ``objects`` of another file are the first bodies of flesh in a scene, give it the
+    material and the rules that `make_haptic` would."""
+    if scene.haptics.strategy == "as_in_the_paper" or _FLESH.title in scene.haptics.materials.items:
+        return
+    for obj in objects:
+        held = obj.haptics
+        if held.enabled and (held.function, held.material.name) == ("physical", _FLESH.title):
+            _soften_flesh(scene)
+            add_material(scene, _FLESH.title, materials.own_values(obj))
+            return
+
+
 def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
     """A copy in the library, not assigned to any object."""
     values = {**values_of(item), "wave_speed": item.wave_speed, "use_delay": item.use_delay}

@@ -13,6 +13,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Collection, Depsgraph, DepsgraphUpdate, Mesh, Object, Scene
 
+from ..authoring import materials
 from ..bake import playback
 from ..blender import job
 from ..blender.handlers import Handlers
@@ -131,6 +132,13 @@ def trace_opened() -> None:
 
 
 @persistent
+def imported(context: Any) -> None:
+    """After objects of another file are appended or linked, assets among them."""
+    found = (item.id for item in context.import_items)
+    materials.meet_flesh(bpy.context.scene, [obj for obj in found if isinstance(obj, Object)])
+
+
+@persistent
 def animation_playback_post(*_: Any) -> None:
     """Playback has stopped: trace the frame at which a baked track was played last."""
     _trace_soon()
@@ -240,6 +248,7 @@ _HANDLERS = Handlers(
     animation_playback_post=animation_playback_post,
     load_pre=file_changed,
     load_post=file_loaded,
+    blend_import_post=imported,
     save_pre=saving,
     undo_pre=cancel,
     redo_pre=cancel,

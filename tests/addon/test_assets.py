@@ -2,6 +2,7 @@
 sources with their signals."""
 
 import bpy
+import pytest
 from haptic_tracing.addon.authoring import materials
 from haptic_tracing.core.scene.materials import MATERIALS
 
@@ -43,3 +44,38 @@ def test_an_asset_brings_its_roles_material_and_signal(scene, add_box, add_empty
     assert bpy.ops.haptic.new_material() == {"FINISHED"}
     item = bpy.context.scene.haptics.materials.items[drum.haptics.material.name]
     assert (item.kappa, item.rho) == (kappa, rho)
+
+
+@pytest.mark.skipif(bpy.app.version < (4, 3), reason="Blender does not report imports")
+@pytest.mark.parametrize("operator", ["append", "link"])
+@pytest.mark.parametrize("again", [False, True])
+def test_a_body_feels_in_another_file_what_it_felt_in_its_own(
+    scene, add_box, traced, tmp_path, operator, again
+):
+    """The scene gets the rules of contacts of flesh, once."""
+    floor, hand = add_box("floor", (0, 0, -0.5), (4, 4, 1)), add_box("hand", (1, 0, 0.5), (1, 1, 1))
+    materials.make_haptic(scene, {floor: MATERIALS["steel"], hand: MATERIALS["flesh"]})
+    floor.haptics.source.enabled = hand.haptics.listener.enabled = True
+    floor.haptics.source.amplitude = 0.5
+    rules = [(row.first, row.second, row.function) for row in transmissions(scene)]
+    felt = traced().amplitudes
+    rig = bpy.data.collections.new("Rig")
+    for obj in (floor, hand):
+        rig.objects.link(obj)
+    path = tmp_path / "rig.blend"
+    bpy.data.libraries.write(str(path), {rig})
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    scene = bpy.context.scene
+    place = {"directory": f"{path}/Collection/", "filename": "Rig"}
+    options = {"instance_collections": False} if operator == "link" else {}
+    for _ in range(1 + again):
+        getattr(bpy.ops.wm, operator)(**place, **options)
+    if again:
+        materials.make_haptic(scene, {add_box("arm", (9, 9, 9), (1, 1, 1)): MATERIALS["flesh"]})
+    bpy.context.view_layer.update()
+    assert [(row.first, row.second, row.function) for row in transmissions(scene)] == rules
+    assert traced().amplitudes[0, 0] == pytest.approx(felt[0, 0], rel=1e-6)
+
+
+def transmissions(scene):
+    return scene.haptics.transmission_table.items
