@@ -57,6 +57,10 @@ FEW = 400
 SMALL = 1024
 """Up to this many nodes or objects, arrays are copied into lists for access element by element."""
 
+KEPT_AFTER, MOST_KEPT = 0.5, 1 << 20
+"""Once so many have been relaxed for each intra-connection, the distances of all are kept, unless
+these are too many; counted from each end, and from each node to itself."""
+
 POINT = 0.0, 0.0
 """The front of a node whose patch is a point."""
 
@@ -180,6 +184,9 @@ class _Relaxation:
             [np.maximum(0.0, table.loss)[index] for table in self.tables]
         )
         self.node_decay = np.concatenate([table.decay[index] for table in self.tables])
+        self.begins = (self.others + 1).cumsum() - self.others - 1 - self.first
+        self.connections = int((self.others + 1).sum())
+        self.kept: tuple[FloatArray, FloatArray | None] | None = None
         self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
         self.spacing: FloatArray | None = None  # made when it is worth it
 
@@ -199,6 +206,30 @@ class _Relaxation:
         return (
             distance if reach is None else np.maximum(distance - (reach[begin] + reach[other]), 0.0)
         )
+
+    def measured(
+        self, node: IntArray, which: IntArray, other: IntArray
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """Distances (m,) from the nodes ``node[which]`` to ``other`` nodes of the same objects, and
+        costs of spreading over them (None where no wave spreads), computed once for all if many are
+        asked for."""
+        if self.kept is None:
+            if self.relaxed < KEPT_AFTER * self.connections or self.connections > MOST_KEPT:
+                return self._measured(node[which], other)
+            size = self.others + 1
+            self.kept = self._measured(np.arange(self.count).repeat(size), ranges(self.first, size))
+        place = self.begins[node][which] + other
+        distance, spread = self.kept
+        return distance.take(place), None if spread is None else spread.take(place)
+
+    def _measured(self, begin: IntArray, other: IntArray) -> tuple[FloatArray, FloatArray | None]:
+        graph = self.graph
+        distance = self.distances(begin, other)
+        spreading = graph.table.spreading
+        if spreading is None:
+            return distance, None
+        index = graph.node_object[begin]
+        return distance, spreading.cost(index, distance, graph.ends(begin, other))
 
     def result(self) -> ShortestPaths:
         self.arrival[self.entry < 0] = math.inf
@@ -354,12 +385,10 @@ def _relax(
     graph, arrivals, entries = work.graph, work.arrivals, work.entries
     work.relaxed += len(other)
     begin = node[which]
-    distance = work.distances(begin, other)
+    distance, spread = work.measured(node, which, other)
     candidate = base[which] + work.node_decay[work.table_index(row, node)][which] * distance
-    if graph.table.spreading is not None:
-        candidate += graph.table.spreading.cost(
-            graph.node_object[begin], distance, graph.ends(begin, other)
-        )
+    if spread is not None:
+        candidate += spread
     if work.special is not None:
         chosen = work.special[begin].nonzero()[0]
         candidate[chosen] = cost[which[chosen]] + np.maximum(

@@ -152,8 +152,8 @@ def check(seed: int, side: int, limit: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("batch", [1, 400])
-def test_costs_and_paths(batch):
+@pytest.mark.parametrize(("batch", "kept_after"), [(1, 2.0), (400, 2.0), (400, 0.0)])
+def test_costs_and_paths(batch, kept_after):
     @settings(max_examples=60, deadline=None, derandomize=True)
     @given(
         st.integers(0, 10**6), st.sampled_from([4, 8]), st.sampled_from([1.0, 3.0, 1e300, math.inf])
@@ -162,7 +162,8 @@ def test_costs_and_paths(batch):
         check(seed, side, limit)
 
     with pytest.MonkeyPatch.context() as patch:
-        for name, value in {"FEW": 0, "SPARSE": 0, "BATCH": batch}.items():
+        chosen = {"FEW": 0, "SPARSE": 0, "BATCH": batch, "KEPT_AFTER": kept_after}
+        for name, value in chosen.items():
             patch.setattr(shortest_paths, name, value)
         patch.setattr(spacing, "MANY", 8)
         compare()
