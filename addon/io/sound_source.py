@@ -73,6 +73,7 @@ class Conversion:
         self._feel = _feel(sound)
         self._loops = sound.origin == "FILE" and sound.loop
         self._clips = tuple(_CLIPS[sound.origin](scene, sound))
+        self._taken = taken(scene, sound)
         self.step_count = sum(block_count(clip.end) for clip in self._clips) + block_count(
             max(clip.end for clip in self._clips)
         )
@@ -96,9 +97,29 @@ class Conversion:
         signal = vibration(found, self._feel)
         sound = bpy.data.objects[self._name].haptics.source.sound
         sound.waves = _waves(found, self._feel)
+        sound.taken = self._taken
         sound.is_edited = False
         sound.fault = ""
         sound.kept = text_of(signal=(Loop(signal) if self._loops else signal).to_dict())
+
+
+def taken(scene: Scene, sound: Any) -> str:
+    """A checksum of what a conversion takes from the strips of a scene or from a speaker: sounds,
+    times and volumes; "" of a file."""
+    items: list[Any] = []
+    if sound.origin == "SEQUENCER":
+        for strip in _strips(scene, sound):
+            ends = *compatibility.strip_ends(strip), compatibility.strip_content_start(strip)
+            path = strip.path_from_id("volume")
+            items.append((strip.sound.filepath, ends, _fade(scene, path) or strip.volume))
+    elif sound.origin == "SPEAKER" and _plays(sound.speaker):
+        data = sound.speaker.data
+        volume = _fade(data, "volume") or data.volume
+        items += (data.sound.filepath, data.pitch, volume, _starts(scene, sound.speaker))
+    else:
+        return ""
+    times = scene.frame_start, frame_seconds(scene), stretching(scene)
+    return hashlib.blake2b(repr((times, items)).encode(), digest_size=16).hexdigest()
 
 
 def _feel(sound: Any) -> Feel:
@@ -138,14 +159,23 @@ def _of_file(scene: Scene, sound: Any) -> Iterator[Clip]:
 
 def _of_speaker(scene: Scene, sound: Any) -> Iterator[Clip]:
     speaker = sound.speaker
-    if (
-        speaker is None
-        or speaker.type != "SPEAKER"
-        or speaker.data.sound is None
-        or speaker.data.muted
-    ):
+    if not _plays(speaker):
         raise TranslatedError("choose a speaker first that has a sound and is not muted")
-    animation, data = speaker.animation_data, speaker.data
+    data = speaker.data
+    for start in _starts(scene, speaker):
+        clip = Clip(_decoded(data.sound), seconds_of(scene, start), speed=shortest(data.pitch))
+        yield replace(clip, volume=_volume(data, "volume", data.volume, scene, clip.end))
+
+
+def _plays(speaker: Object | None) -> bool:
+    """Whether an object is a speaker that has a sound and is not muted."""
+    data: Any = None if speaker is None or speaker.type != "SPEAKER" else speaker.data
+    return data is not None and data.sound is not None and not data.muted
+
+
+def _starts(scene: Scene, speaker: Object) -> list[float]:
+    """The frames at which a speaker begins to play."""
+    animation = speaker.animation_data
     tracks = [
         track for track in (animation.nla_tracks if animation is not None else ()) if not track.mute
     ]
@@ -155,21 +185,11 @@ def _of_speaker(scene: Scene, sound: Any) -> Iterator[Clip]:
         for strip in track.strips
         if strip.type == "SOUND" and not strip.mute
     ]
-    for start in starts or [scene.frame_start]:
-        clip = Clip(_decoded(data.sound), seconds_of(scene, start), speed=shortest(data.pitch))
-        yield replace(clip, volume=_volume(data, "volume", data.volume, scene, clip.end))
+    return starts or [scene.frame_start]
 
 
 def _of_sequencer(scene: Scene, sound: Any) -> Iterator[Clip]:
-    strips = (
-        compatibility.strips_of(scene.sequence_editor) if scene.sequence_editor is not None else ()
-    )
-    heard = [
-        strip
-        for strip in strips
-        if strip.type == "SOUND" and strip.sound is not None and not strip.mute
-    ]
-    chosen = [strip for strip in heard if sound.strip in ("", strip.name)]
+    chosen = _strips(scene, sound)
     if not chosen:
         raise TranslatedError("there is no sound strip '{}' that is not muted", sound.strip or "*")
     for strip in chosen:
@@ -191,6 +211,21 @@ def _of_sequencer(scene: Scene, sound: Any) -> Iterator[Clip]:
             (last - start) * second,
             volume=volume,
         )
+
+
+def _strips(scene: Scene, sound: Any) -> list[Any]:
+    """The chosen sound strips of a scene that are not muted."""
+    strips = (
+        compatibility.strips_of(scene.sequence_editor) if scene.sequence_editor is not None else ()
+    )
+    return [
+        strip
+        for strip in strips
+        if strip.type == "SOUND"
+        and strip.sound is not None
+        and not strip.mute
+        and sound.strip in ("", strip.name)
+    ]
 
 
 _CLIPS = {"FILE": _of_file, "SPEAKER": _of_speaker, "SEQUENCER": _of_sequencer}
@@ -215,16 +250,21 @@ def _volume(owner: Any, path: str, value: float, scene: Scene, end: float) -> fl
         scene: gives the frames.
         end: up to which it is needed [s].
     """
-    curve = next(
-        (
-            curve
-            for curve in compatibility.fcurves_of(owner)
-            if curve.data_path == path and not curve.mute
-        ),
-        None,
-    )
+    curve = _curve(owner, path)
     if curve is None:
         return shortest(value)
     times = np.arange(max(end, 0.0) // frame_seconds(scene) + 2) * frame_seconds(scene)
     frames = (scene.frame_start + np.arange(len(times))) / stretching(scene)
     return Automation(times, [max(curve.evaluate(frame), 0.0) for frame in frames.tolist()])
+
+
+def _fade(owner: Any, path: str) -> list[tuple[float, ...]]:
+    """The keyframes of a volume, none where it is not animated."""
+    curve = _curve(owner, path)
+    return [] if curve is None else [tuple(key.co) for key in curve.keyframe_points]
+
+
+def _curve(owner: Any, path: str) -> Any:
+    """The F-curve of a property, None where it is not animated."""
+    curves = compatibility.fcurves_of(owner)
+    return next((curve for curve in curves if curve.data_path == path and not curve.mute), None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bpy.types import Context
 
 from ..blender import compatibility
+from ..io import sound_source
 from ..properties.preferences import preferences
 from ..properties.sound import SHOWN
 from ..view import panel_picture, sound_picture
@@ -41,7 +42,9 @@ class HAPTIC_PT_sound(ObjectPanel):
         )
         layout.operator("haptic.convert_sound", icon="FILE_REFRESH")
         if sound.kept:
-            if sound.is_edited:
+            # In files of earlier versions nothing tells what was taken.
+            now = sound_source.taken(context.scene, sound)
+            if sound.is_edited or sound.taken not in ("", now):
                 draw_sentence(layout, "Changed since it was converted", "INFO")
             colour = tuple(preferences().curve_colour)
             ink = panel_picture.theme_ink(context)

@@ -125,6 +125,9 @@ class HapticSoundProperties(PropertyGroup):
     bursts: share("Onsets", "Strength of the short burst at each onset of the sound", 1.0)
     kept: text("Vibration", "What was made of the sound", options={"HIDDEN"}, update=changed)
     waves: text("Waves", "The sound and its vibration as the panel draws them", options={"HIDDEN"})
+    taken: text(
+        "Taken", "What the vibration was made of, beside these settings", options={"HIDDEN"}
+    )
     is_edited: switch(
         "Edited", "These settings have changed since the conversion", options={"HIDDEN"}
     )

@@ -272,6 +272,56 @@ def test_a_speaker_plays_from_its_strip_on_with_its_volume_and_pitch(scene, conv
     assert first_touch(scene) == pytest.approx(0.5 + 0.25, abs=0.010)
 
 
+def test_the_panel_says_what_has_changed_in_the_scene_since(scene, convert, tmp_path):
+    """Strips and speakers that are moved, cut, faded or muted after the conversion."""
+    from haptic_tracing.addon.panels.sound import HAPTIC_PT_sound
+
+    def has_changed():
+        return "Changed since it was converted" in drawn(HAPTIC_PT_sound).labels
+
+    machine = bpy.context.object
+    path = write_wav(tmp_path / "click.wav", click_at(0.5))
+    bpy.ops.object.speaker_add()
+    speaker = bpy.context.object
+    speaker.data.sound = bpy.data.sounds.load(path)
+    bpy.context.view_layer.objects.active = machine
+    strips = compatibility.strips_of(scene.sequence_editor_create())
+    strip, other = (strips.new_sound(name, path, k, 20) for k, name in enumerate("ab", 1))
+
+    def fade():
+        strip.keyframe_insert("volume", frame=1)
+        strip.volume = 0.2
+        strip.keyframe_insert("volume", frame=9)
+
+    changes = [
+        lambda: setattr(strip, CONTENT_START, 30),
+        lambda: setattr(strip, LEFT_HANDLE, 33),
+        lambda: setattr(other, "mute", True),
+        fade,
+        lambda: setattr(scene.render, "fps", 48),
+        lambda: setattr(scene, "frame_start", 5),
+    ]
+    sound = convert(origin="SEQUENCER")
+    for change in changes:
+        scene.frame_set(scene.frame_current + 1)
+        assert not has_changed()
+        change()
+        assert has_changed()
+        convert()
+    convert(strip="a")
+    other.mute = False
+    assert not has_changed()
+    convert(origin="SPEAKER", speaker=speaker)
+    assert not has_changed()
+    for name, value in (("volume", 0.5), ("pitch", 2.0), ("muted", True)):
+        setattr(speaker.data, name, value)
+        assert has_changed()
+        if name != "muted":
+            convert()
+    sound.taken = ""  # as in files of earlier versions
+    assert not has_changed()
+
+
 def test_the_devices_best_frequency_is_that_of_its_profile(scene, convert, tmp_path):
     path = write_wav(tmp_path / "click.wav", click_at(0.5))
     convert(filepath=path, carrier="DEVICE", device="switch-pro", loop=False)
