@@ -103,7 +103,7 @@ class _AudioStream:
 @dataclass(slots=True)
 class _PreviewState:
     """Switch, settings and audio objects of the preview; ``listener``: the only one that is heard,
-    "" for all; ``heard``: the signal that is played by `hear`."""
+    where there is one of that name; ``heard``: the signal that is played by `hear`."""
 
     on: bool = False
     volume: float = 0.5
@@ -171,7 +171,8 @@ def play(listeners: Sequence[Listener], samples: FloatArray, sample_rate: float)
     if _state.stream is None or _state.stream.sample_rate != sample_rate:
         _state.stream = _AudioStream(sample_rate)
         _state.stream.handle.volume = _state.volume
-    heard = [k for k, item in enumerate(listeners) if _state.listener in ("", item.name)]
+    alone = [k for k, item in enumerate(listeners) if item.name == _state.listener]
+    heard = alone or list(range(len(listeners)))
     mix = stereo_mix([listeners[k].body_part for k in heard], samples[heard])
     _state.stream.append(mix, _state.sharper)
 

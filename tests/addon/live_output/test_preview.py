@@ -148,6 +148,15 @@ def test_one_listener_is_heard_alone(loudspeaker, scene, add_empty):
     assert samples[:, 1].any() and not samples[:, 0].any()
 
 
+def test_all_are_heard_where_the_chosen_one_feels_nothing_any_more(loudspeaker, scene, add_empty):
+    """It was deleted, which Blender's field does not show, or is no listener any more."""
+    scene.haptics.live_output.heard = add_empty("hand.R")
+    preview.adjust(scene.haptics.live_output)
+    preview.play(bodies("hand.L"), np.full((1, 800), 0.5), 8000)
+    samples = heard(loudspeaker, 0.5)
+    assert samples[:, 0].any() and not samples[:, 1].any()
+
+
 def test_nothing_is_heard_by_itself_in_the_background(scene):
     assert not handlers.may_hear()
     handlers.animation_playback_pre(scene)
