@@ -609,6 +609,9 @@ class SceneReader:
                 if obj.session_uid not in self._instances.instancers:
                     problems.append(Problem(name, str(error)))
         carrier = haptic_carrier(obj)
+        if carrier is not None and carrier.session_uid not in self._rows:
+            # An armature keeps its body when that is deleted.
+            carrier = carrier if carrier.users_collection else None
         for role in ("source", "listener"):
             if not getattr(haptics, role).enabled or (carrier == obj and haptic_object is None):
                 continue  # the object's own problem reports it

@@ -215,6 +215,26 @@ def test_listeners_of_an_armature_without_a_body_are_one_problem(sound, scene, a
     assert problem.object == "rig" and "choose its Body" in problem.message
 
 
+def test_an_armature_whose_body_was_deleted_is_named(sound, scene, add_box, traced):
+    rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+    scene.collection.objects.link(rig)
+    body = rig.haptics.body = add_box("body", (3, 0, 0), (1, 1, 1))
+    rig.haptics.listener.enabled = True
+    bpy.context.view_layer.update()
+    assert "rig" in [listener.name for listener in traced().listeners]
+    body.hide_viewport = True
+    bpy.context.view_layer.update()
+    traced()
+    assert session.problems_of(scene) == ()  # meant to be away
+    with bpy.context.temp_override(selected_objects=[body]):
+        bpy.ops.object.delete()
+    assert rig.haptics.body == body
+    bpy.context.view_layer.update()
+    _goes_on(traced())
+    (problem,) = session.problems_of(scene)
+    assert problem.object == "rig" and "choose its Body" in problem.message
+
+
 def test_a_collection_instance_with_haptic_objects_is_named(
     sound, scene, add_box, add_empty, traced
 ):
