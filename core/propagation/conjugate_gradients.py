@@ -34,9 +34,9 @@ ITERATIONS = 2000
 FIRST_CHECK, CHECKED = 4, 4
 """Iterations before the first evaluation of the error, and between two evaluations."""
 
-FEW = 100
-"""With fewer subsystems the matrix is inverted. LAPACK does that in one thread, in time that
-iterations would take, too."""
+FEW, CUBES = 100, 2_400_000
+"""Matrices of fewer subsystems, for which LAPACK takes one thread, are inverted, as long as the
+cubes of their sizes add up to less: beyond, iterations are faster."""
 
 INVERTED = 1e-7
 """Largest bound after that; with a larger one the equations are iterated. It adds 1e-14 to a
@@ -133,7 +133,7 @@ def solve(
     count, systems, columns = power.shape
     if count == 0:
         return Balanced(power, power, power, np.zeros((systems, columns)))
-    if count < FEW and (found := _inverted(balance, power)):
+    if count < FEW and systems * count**3 < CUBES and (found := _inverted(balance, power)):
         return found
     matrix = _Matrix(balance)
     place, scale = matrix.place, matrix.scale[:, :, None]
