@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import bpy
 from bpy.props import (
     BoolProperty,
     EnumProperty,
@@ -16,6 +17,7 @@ from bpy.props import (
 
 FRAMES = (-1048574, 1048574)
 """Blender's range of frames."""
+_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0, 0) else set[str]()
 
 
 def switch(name: str, description: str, default: bool = False, **more: Any) -> BoolProperty:
@@ -57,6 +59,11 @@ def choice(
 def text(name: str, description: str, default: str = "", **more: Any) -> StringProperty:
     """A text, such as a name, a path or a formula."""
     return StringProperty(name=name, description=description, default=default, **more)
+
+
+def file_path(name: str, description: str) -> StringProperty:
+    """The path of a file, which may be relative to the .blend; see `io.stored_paths`."""
+    return text(name, description, subtype="FILE_PATH", options=_RELATIVE)
 
 
 def whole(

@@ -29,7 +29,7 @@ from ...core.scene.materials import MATERIALS
 from ..blender.progress import progress
 from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
-from .kinds import choice, limited, reference, switch, text
+from .kinds import choice, file_path, limited, reference, switch, text
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
@@ -173,10 +173,6 @@ class HapticObjectMaterial(PropertyGroup):
     )
 
 
-def _recording(name: str, description: str) -> StringProperty:
-    return text(name, description, subtype="FILE_PATH", options=set())
-
-
 def _one(name: str, description: str, role: str) -> PointerProperty[Object]:
     has_role = attrgetter(f"haptics.{role}")
     return reference(Object, name, description, poll=lambda self, obj: bool(has_role(obj)))
@@ -188,10 +184,10 @@ class HapticFit(PropertyGroup):
     contact, each with its standard deviation, then the difference between model and recordings
     before and after [dB]. ``bands``: as in `core.design.recordings.FittedLoss`, band by band."""
 
-    source_file: _recording(
+    source_file: file_path(
         "At Source", "WAV file recorded at the source; its channels are averaged"
     )
-    listener_file: _recording(
+    listener_file: file_path(
         "At Listener",
         "WAV file recorded at the listener at the same time, begun at the same moment",
     )

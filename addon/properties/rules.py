@@ -15,7 +15,7 @@ from .callbacks import Stored, updating
 from .declared import holding, items_of
 from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
-from .kinds import choice, switch, text
+from .kinds import choice, file_path, switch, text
 
 TABLES = (
     ("impact_table", "Impacts", "What impacts between some objects need and play"),
@@ -71,7 +71,7 @@ class HapticImpactRule(RuleScope, Stored, PropertyGroup):
             ("DRAWN", "Drawn", "A signal that was drawn for a source, once"),
         ),
     )
-    filepath: text("File", "The file with the vibration that impacts play", subtype="FILE_PATH")
+    filepath: file_path("File", "The file with the vibration that impacts play")
     drawing: drawing_property()
     use_limits: switch("Own Energies", "These impacts have limits of energy of their own")
 

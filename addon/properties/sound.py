@@ -15,7 +15,7 @@ from ..blender.extension import profile_folders
 from ..blender.paths import local_path
 from ..blender.words import TranslatedError
 from .callbacks import changed, updating
-from .kinds import choice, limited, reference, share, switch, text
+from .kinds import choice, file_path, limited, reference, share, switch, text
 
 if TYPE_CHECKING:
     from ...core.devices.profiles import Profile
@@ -73,7 +73,7 @@ class HapticSoundProperties(PropertyGroup):
     """A sound, the settings of its conversion, and the resulting vibration."""
 
     origin: choice("Sound", "Where the sound comes from", ORIGINS)
-    filepath: text("File", "The sound that becomes vibration", subtype="FILE_PATH")
+    filepath: file_path("File", "The sound that becomes vibration")
     speaker: reference(
         Object,
         "Speaker",

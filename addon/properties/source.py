@@ -9,7 +9,7 @@ from ...core.scene.values import Source
 from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
 from .drawing import drawing_property
-from .kinds import choice, limited, share, switch, text
+from .kinds import choice, file_path, limited, share, switch, text
 from .signal_kinds import HERTZ, PLAIN
 from .sound import HapticSoundProperties
 
@@ -61,7 +61,7 @@ class HapticSourceProperties(Stored, PropertyGroup):
     envelope: share(
         "Envelope", "Amplitude of the drawn signal where F-curves draw it instead of a curve", 1.0
     )
-    filepath: text("WAV File", "The recorded signal, looped", subtype="FILE_PATH")
+    filepath: file_path("WAV File", "The recorded signal, looped")
     sound: PointerProperty(type=HapticSoundProperties)
     decay: limited(
         "Decay Time (s)",

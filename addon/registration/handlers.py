@@ -23,6 +23,7 @@ from ..changes.redraw import redraw_viewports
 from ..changes.revisions import mark_changed, mark_edited
 from ..changes.suspension import is_stepped, is_suspended, steps_any
 from ..gateway import is_loaded
+from ..io import stored_paths
 from ..live_output import handlers as live_output
 from ..scene_reader import roles
 from ..scene_reader.present import traced_layer
@@ -134,8 +135,12 @@ def trace_opened() -> None:
 @persistent
 def imported(context: Any) -> None:
     """After objects of another file are appended or linked, assets among them."""
-    found = (item.id for item in context.import_items)
-    materials.meet_flesh(bpy.context.scene, [obj for obj in found if isinstance(obj, Object)])
+    objects = [item for item in context.import_items if isinstance(item.id, Object)]
+    materials.meet_flesh(bpy.context.scene, [item.id for item in objects])
+    for item in objects:
+        if item.source_library is not None and item.id.library is None:
+            source = bpy.path.abspath(item.source_library.filepath)
+            stored_paths.follow([item.id], source, bpy.data.filepath)
 
 
 @persistent
@@ -145,13 +150,25 @@ def animation_playback_post(*_: Any) -> None:
 
 
 @persistent
-def saving(*_: Any) -> None:
+def saving(path: str = "", *_: Any) -> None:
     """Before the file is saved."""
+    _move_paths(bpy.data.filepath, path)
     properties.create_overridden_groups()
     if is_loaded(session):
         for scene in bpy.data.scenes:
             if scene.is_editable:
                 session.keep_impacts(scene)
+
+
+@persistent
+def saved(path: str = "", *_: Any) -> None:
+    """After the file was saved, as a copy or in vain where it is not the open one."""
+    _move_paths(path, bpy.data.filepath)
+
+
+def _move_paths(before: str, after: str) -> None:
+    if before and after:  # neither is the start-up file
+        stored_paths.follow((*bpy.data.objects, *bpy.data.scenes), before, after)
 
 
 @persistent
@@ -250,6 +267,8 @@ _HANDLERS = Handlers(
     load_post=file_loaded,
     blend_import_post=imported,
     save_pre=saving,
+    save_post=saved,
+    save_post_fail=saved,
     undo_pre=cancel,
     redo_pre=cancel,
     undo_post=reread,

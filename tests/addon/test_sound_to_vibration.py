@@ -470,3 +470,39 @@ def test_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, aud,
     tracemalloc.stop()
     assert len(machine.haptics.source.sound.kept) < 2e5 * minutes
     assert signal_of(scene).of.duration == pytest.approx(60.0 * minutes, abs=0.02)
+
+
+@pytest.mark.parametrize("way", ["save as", "save a copy", "append"])
+def test_a_path_leads_to_the_same_file_from_another_folder(scene, machine, tmp_path, way):
+    """As it does for Blender's own sound."""
+    here, there = tmp_path / "here" / "scene.blend", tmp_path / "there" / "new" / "scene.blend"
+    for path in (here, there):
+        path.parent.mkdir(parents=True)
+    write_wav(here.parent / "click.wav", click_at(0.5))
+    bpy.ops.wm.save_as_mainfile(filepath=str(here))
+    rule = scene.haptics.impact_table.items.add()
+    own = bpy.data.sounds.load("//click.wav")
+    own.use_fake_user = True
+    holders = [machine.haptics.source, machine.haptics.source.sound, rule]
+    for holder in holders:
+        holder.filepath = own.filepath
+    sound = machine.haptics.source.sound
+    sound.is_edited = False
+    if way == "append":
+        bpy.ops.wm.save_mainfile()
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        bpy.ops.wm.save_as_mainfile(filepath=str(there))
+        bpy.ops.wm.append(directory=f"{here}/Object/", filename="machine")
+        (machine,) = bpy.data.objects
+        holders = [machine.haptics.source, machine.haptics.source.sound]
+        expected = "//../../here/click.wav"
+    else:
+        bpy.ops.wm.save_as_mainfile(filepath=str(there), copy=way == "save a copy")
+        assert not sound.is_edited and sound.fault == ""
+        expected = own.filepath
+    assert [holder.filepath for holder in holders] == [expected] * len(holders)
+    if way == "save a copy":
+        assert expected == "//click.wav"
+        bpy.ops.wm.open_mainfile(filepath=str(there))
+        (machine,) = (obj for obj in bpy.data.objects if obj.name == "machine")
+        assert machine.haptics.source.filepath == "//../../here/click.wav"
