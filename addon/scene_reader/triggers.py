@@ -143,7 +143,7 @@ def _passing(source: Any, scene: Scene, faults: list[tuple[str, str]]) -> Iterat
         yield from (Trigger(TriggerKind.PASSING, object=mover, **place) for mover in found)
     elif region or name:
         missing = (
-            iface_("there is no object '{}'").format(region)
+            iface_("there is no object '{}' in this scene").format(region)
             if region
             else iface_("choose the region that it comes into")
         )

@@ -283,7 +283,7 @@ def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(
         "trigger_region": "choose the region that it comes into",
     }
     assert said(trigger_object="ball", trigger_region="nowhere") == {
-        "trigger_region": "there is no object 'nowhere'"
+        "trigger_region": "there is no object 'nowhere' in this scene"
     }
     assert said(trigger_region="ball") == {
         "trigger_object": "no haptic object 'ball' can come into it"
