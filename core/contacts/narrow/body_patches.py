@@ -9,14 +9,11 @@ from ...frozen import frozen
 from ..hull import hull_2d
 from .core_pairs import CorePairs
 from .frames import dot, upwards
-from .manifold import PATCH_GAP, ROUGHNESS, Patches, contact_plane
+from .manifold import ROUGHNESS, Patches, contact_plane, within_of
 
-_TOGETHER = 4e-5
-"""Metres beyond the least distance up to which a point or line belongs to the patch."""
-
-_POINT_AREA, _FACE_AREA = 1e-12, 1e-3
-"""Area [m^2] that a point counts as, and that from about which on a face belongs to the patch
-within ``ROUGHNESS``, or ``PATCH_GAP`` of meshes."""
+_POINT_AREA, _TIP_AREA = 1e-12, 1e-4
+"""Area [m^2] that a point counts as beside others of two cores, and that which two cores count as
+beside others of their bodies even where they touch at a point: about that of a fingertip."""
 
 MOST_CORNERS = 8
 
@@ -52,12 +49,14 @@ class PairPatches:
 
 @frozen
 class CoreContacts:
-    """Pairs of cores in contact: ``owner`` the pair of bodies, ``distance`` between the surfaces,
-    ``normal``, ``centre`` of the patch, ``weight`` (area in square metres; that of a line is tiny,
-    in proportion to its length), reported ``area``, the metres ``within`` which the contact counts
-    beyond the nearest one, ``corners``."""
+    """Pairs of cores in contact: ``owner`` the pair of bodies, ``cores`` the numbers (2, n)
+    of both, ``distance`` between the surfaces, ``normal``, ``centre`` of the patch, ``weight``
+    (area in square metres; that of a line is tiny, in proportion to its length), reported ``area``,
+    the metres ``within`` which the contact counts beyond the nearest one of the same cores,
+    ``corners``."""
 
     owner: IntArray
+    cores: IntArray
     distance: FloatArray
     normal: FloatArray
     centre: FloatArray
@@ -87,18 +86,23 @@ def core_contacts(
     area = np.where(patch.wide, patch.area, 0.0)
     # Triangles are parts of a face, however small: those that lie on each other belong to the patch
     # as their whole face does.
-    share = patch.area / (patch.area + _FACE_AREA)
-    within = _TOGETHER + (
-        ROUGHNESS * share if rows.triangle_b is None else np.maximum(PATCH_GAP * share, patch.reach)
-    )
+    within = np.maximum(within_of(patch.area), patch.reach)
     return CoreContacts(
-        rows.owner, distance, outward, patch.centre, patch.area, area, within, points
+        rows.owner,
+        np.array([rows.first, rows.second]),
+        distance,
+        outward,
+        patch.centre,
+        patch.area,
+        area,
+        within,
+        points,
     )
 
 
 def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> PairPatches:
     """One patch per pair of bodies from those of its cores and triangles, weighted by their areas
-    and by how near they are beside the nearest one."""
+    and by how near they are beside the nearest one of the same two cores, and of all cores."""
     count = len(distance)
     normal = upwards(count)
     centre = np.zeros((3, count))
@@ -111,9 +115,9 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
             area,
             tuple(np.zeros((0, 3)) for _ in range(count)) if corners else (),
         )
-    owner, each, normals, centres, weights, areas, within = (
+    owner, cores, each, normals, centres, weights, areas, within = (
         np.concatenate([getattr(f, name) for f in found], axis=-1)
-        for name in ("owner", "distance", "normal", "centre", "weight", "area", "within")
+        for name in ("owner", "cores", "distance", "normal", "centre", "weight", "area", "within")
     )
     if len(set(owner.tolist())) == len(owner):
         distance[owner] = np.minimum(distance[owner], each)
@@ -121,9 +125,16 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
         kept = np.ones(len(owner), dtype=np.bool_)
     else:
         np.minimum.at(distance, owner, each)
-        above = each - distance[owner]
-        near = np.square(np.clip(2.0 - 2.0 * above / within, 0.0, 1.0))
+        most_a, most_b = cores.max(axis=1) + 1
+        _, of = np.unique((owner * most_a + cores[0]) * most_b + cores[1], return_inverse=True)
+        least = np.full(len(owner), np.inf)
+        np.minimum.at(least, of, each)
+        near = _near(each - least[of], within)
         weights = near * (weights + _POINT_AREA)
+        above = each - distance[owner]
+        of_all = _near(above, ROUGHNESS)
+        near *= of_all
+        weights *= of_all * (1.0 + _TIP_AREA / np.bincount(of, weights)[of])
         kept = weights > 0
         total = np.bincount(owner, weights, count)
         total = np.where(total > 0, total, 1.0)
@@ -146,6 +157,12 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
     for k in np.flatnonzero(kept).tolist():
         of_pairs[owner[k]].append(parts[k])
     return PairPatches(distance, normal, centre, area, _outlines(of_pairs, normal))
+
+
+def _near(above: FloatArray, within: FloatArray | float) -> FloatArray:
+    """How much contacts (n,) count that are ``above`` the nearest one [m]: 1 up to half of
+    ``within``, falling to 0."""
+    return np.asarray(np.square(np.clip(2.0 - 2.0 * above / within, 0.0, 1.0)))
 
 
 def _outlines(points: list[list[FloatArray]], normal: FloatArray) -> tuple[FloatArray, ...]:

@@ -23,6 +23,7 @@ from ...arrays import (
 )
 from .cores import CoreTable, Kind, Size
 from .frames import chunks, dot, product, relative, turned, turned_back
+from .manifold import most_within
 from .mesh_index import MeshIndex
 from .surfaces import CoreSurface, Surfaces
 from .triangles import apart_by, beside
@@ -190,10 +191,14 @@ class CorePairing:
         expanded.triangle_b = np.concatenate(triangle)
         return expanded
 
-    def near_triangles(self, rows: CorePairs, reach: FloatArray) -> CorePairs:
-        """The pairs of triangles of pairs of surfaces that may be within ``reach`` (n,) metres of
-        each other, in order of the rows."""
-        return self.with_triangles(rows, *self._triangles(rows, reach, self._near_of_alike))
+    def near_triangles(
+        self, rows: CorePairs, distance: FloatArray, beyond: float = 0.0
+    ) -> CorePairs:
+        """The pairs of triangles of pairs of surfaces that may be within ``distance`` (n,) metres
+        of each other, and of those up to ``beyond`` [m] farther apart those that can belong to a
+        patch, in order of the rows."""
+        near = partial(self._near_of_alike, beyond=beyond)
+        return self.with_triangles(rows, *self._triangles(rows, distance, near))
 
     def facing_triangles(
         self, rows: CorePairs, reach: FloatArray, margin: float
@@ -243,10 +248,16 @@ class CorePairing:
         return number[order], of_first[order], of_second[order]
 
     def _near_of_alike(
-        self, first: CoreSurface, second: CoreSurface, placing: _Placing, reach: FloatArray
+        self,
+        first: CoreSurface,
+        second: CoreSurface,
+        placing: _Placing,
+        distance: FloatArray,
+        beyond: float,
     ) -> tuple[IntArray, IntArray, IntArray]:
-        """The triangles of the same two surfaces in m poses that are within ``reach`` (m,) [m] of
-        each other: number of the pose, of the first and of the second triangle."""
+        """The triangles of the same two surfaces in m poses that are near each other, as defined by
+        `near_triangles`: number of the pose, of the first and of the second triangle."""
+        reach = distance + beyond
         pair, near = first.index.near(placing.back_to_first(second, reach))
         corners = placing.of(pair, taken(first.corners, near))
         bounds = np.stack([corners.min(axis=1) - reach[pair], corners.max(axis=1) + reach[pair]])
@@ -256,7 +267,11 @@ class CorePairing:
             apart_by(taken(corners, mine[part]), taken(second.corners, theirs[part]))
             for part in chunks(len(mine))
         ]
-        possible = (np.concatenate(apart) <= reach[pair]).nonzero()[0]
+        most = distance[pair]
+        if beyond > 0:
+            radius = np.minimum(first.radii[near[mine]], second.radii[theirs])
+            most = most + np.minimum(most_within(radius), beyond)
+        possible = (np.concatenate(apart) <= most).nonzero()[0]
         return pair[possible], near[mine[possible]], theirs[possible]
 
     def _facing_of_alike(

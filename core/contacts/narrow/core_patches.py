@@ -12,7 +12,7 @@ from ...arrays import BoolArray, FloatArray, IntArray, some_of, taken
 from .closed_forms import Separation
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind
-from .manifold import PATCH_GAP, ROUGHNESS, Patches, for_both, patches
+from .manifold import Patches, for_both, patches
 from .sections import directions, reach, section_area
 from .supporting_feature import FEW, MANY, polygons
 
@@ -63,12 +63,11 @@ class CorePatches:
         (first, many_a, wide_a), (second, many_b, wide_b) = self._polygons(rows, normal)
         first -= middle[:, None]
         second -= middle[:, None]
-        gap = ROUGHNESS if rows.triangle_b is None else PATCH_GAP
         if count <= _TOGETHER:
             most_a, most_b = (MANY if many.any() else FEW for many in (many_a, many_b))
             if count <= _ALIKE:
                 most_a = most_b = max(most_a, most_b)
-            result = patches(first[:, :most_a], second[:, :most_b], normal, gap)
+            result = patches(first[:, :most_a], second[:, :most_b], normal)
         else:
             parts = []
             for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
@@ -80,7 +79,7 @@ class CorePatches:
                         taken(first[:, :corners_a], alike),
                         taken(second[:, :corners_b], alike),
                     )
-                    parts.append((alike, patches(*features, taken(normal, alike), gap)))
+                    parts.append((alike, patches(*features, taken(normal, alike))))
             result = _merged(count, parts)
         drawn = np.where(rows.triangle_a is None, self._table.kind[rows.first], Kind.MESH)
         kind = np.maximum(drawn, self._table.kind[rows.second])

@@ -9,9 +9,9 @@ import numpy as np
 
 from ...arrays import FloatArray, IntArray
 from .frames import chunks
-from .manifold import PATCH_GAP
+from .manifold import ROUGHNESS
 
-WITHIN = 1.1 * PATCH_GAP
+WITHIN = 1.1 * ROUGHNESS
 """Metres beyond the deepest part up to which others count: more than `CoreContacts.within`."""
 
 _FIRST = 16

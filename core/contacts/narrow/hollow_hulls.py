@@ -13,7 +13,7 @@ from ..shapes import ConvexHull, Shape
 from .body_patches import PairPatches
 from .convex import ConvexDistances
 from .cores import CoreTable, Size
-from .manifold import PATCH_GAP
+from .manifold import UNEVEN
 
 _SAME = 1e-9
 """Tolerance with which a depth counts as the largest allowed one [m]: contacts with triangles are
@@ -120,5 +120,5 @@ class HollowHulls:
             heights.append(at @ direction)
         every = np.concatenate(places)
         height = np.concatenate(heights)
-        weight = np.clip(1.0 - (height.max() - height) / PATCH_GAP, 0.0, None) ** 2
+        weight = np.clip(1.0 - (height.max() - height) / UNEVEN, 0.0, None) ** 2
         return np.asarray(weight @ every / weight.sum())

@@ -25,8 +25,15 @@ ROUGHNESS = 0.01
 crates and the edges of stones are. So the patch of a body of 1 m hardly moves if that tips by
 1e-3 rad."""
 
-PATCH_GAP = 0.001
-"""Largest gap within a patch of a mesh [m]: triangles further apart are not searched for."""
+TOGETHER = 4e-5
+"""Metres beyond the least distance of two cores up to which points and lines of them belong to
+their patch."""
+
+_FACE_AREA = 1e-3
+"""Area [m^2] from about which on faces of two cores belong to their patch within ``ROUGHNESS``."""
+
+UNEVEN = 0.001
+"""Metres by which a face of a mesh or hull may be uneven."""
 
 _LYING, _TIPPED = 0.002, 0.02
 """Slopes between two faces below which they lie on each other, and above which they touch along a
@@ -67,6 +74,18 @@ def patch_gap(slope: FloatArray, parallel: float = ROUGHNESS) -> FloatArray:
     point where they touch."""
     tipped = smooth_step((slope - _LYING) / (_TIPPED - _LYING))
     return parallel - (parallel - _LINE_GAP) * tipped
+
+
+def within_of(area: FloatArray) -> FloatArray:
+    """Metres beyond the least distance of two cores up to which patches of an ``area`` (n,) [m^2]
+    belong to theirs."""
+    return TOGETHER + ROUGHNESS * (area / (area + _FACE_AREA))
+
+
+def most_within(radius: FloatArray) -> FloatArray:
+    """The largest distance [m] beyond the least one of two cores at which a triangle within a
+    circle of ``radius`` (n,) [m] can belong to their patch."""
+    return np.maximum(within_of(np.pi * radius**2), np.minimum(2 * _TIPPED * radius, ROUGHNESS))
 
 
 def contact_plane(normal: FloatArray) -> tuple[FloatArray, FloatArray]:

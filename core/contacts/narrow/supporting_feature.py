@@ -12,7 +12,7 @@ from ...arrays import BoolArray, FloatArray, IntArray, taken
 from ..hull import Hull, hull_2d
 from .cores import CoreTable, Kind
 from .frames import cross, dot, pick, turned, turned_back
-from .manifold import PATCH_GAP, contact_plane
+from .manifold import UNEVEN, contact_plane
 
 FEW = 4
 MANY = 16
@@ -143,7 +143,7 @@ def merged_faces(hull: Hull) -> tuple[FloatArray, FloatArray]:
 
 def _faces(hull: Hull) -> Iterator[tuple[FloatArray, IntArray]]:
     """The normals (3,) of a hull's faces, and the numbers of their corners. A face consists of the
-    triangles that lie nearly along it, less than `PATCH_GAP` beneath its farthest point, or a tenth
+    triangles that lie nearly along it, less than `UNEVEN` beneath its farthest point, or a tenth
     of the hull's width if that is less: real meshes are uneven."""
     corners = hull.points[hull.triangles]
     areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -161,7 +161,7 @@ def _faces(hull: Hull) -> Iterator[tuple[FloatArray, IntArray]]:
             if len(along) > 1:
                 beneath = hull.points @ normal
                 beneath = beneath.max() - beneath
-                most = max(level, min(PATCH_GAP, 0.1 * float(beneath.max())))
+                most = max(level, min(UNEVEN, 0.1 * float(beneath.max())))
                 along = along[(beneath[hull.triangles[along]] <= most).all(axis=1)]
             if len(along) <= len(members):
                 break
@@ -226,7 +226,7 @@ def _end(half: FloatArray, height: FloatArray, direction: FloatArray) -> FloatAr
     """The disc at a height: a polygon with a corner at the disc's extreme point along
     ``direction``, or with the disc's area where it is nearly perpendicular to ``direction``."""
     out = _radial(direction)
-    tipped = np.hypot(direction[0], direction[1]) * half[0] > PATCH_GAP
+    tipped = np.hypot(direction[0], direction[1]) * half[0] > UNEVEN
     radius = half[0] * np.where(tipped, 1.0, _WIDER)
     corners = np.empty((3, MANY, half.shape[1]))
     corners[0] = radius * (out[0] * np.cos(_ANGLES) - out[1] * np.sin(_ANGLES))

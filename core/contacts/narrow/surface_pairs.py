@@ -25,7 +25,7 @@ from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
 from .deepest import WITHIN, examine_deepest
 from .frames import chunks, cross, dot, smooth_step, turned_back
-from .manifold import PATCH_GAP, Patches, patches
+from .manifold import ROUGHNESS, UNEVEN, Patches, patches
 from .surfaces import CoreSurface, SurfacePart, Surfaces
 from .triangles import (
     both_ways_apart,
@@ -36,8 +36,11 @@ from .triangles import (
     unit_normals,
 )
 
-_REACH = 1.1 * PATCH_GAP
+_REACH = 1.1 * ROUGHNESS
 """Metres beyond the least distance within which triangles belong to the patch."""
+
+_SLACK = 1e-4
+"""Metres by which triangles that can belong to a patch may seem farther apart."""
 
 _TOUCHING = 1e-7
 """Distance up to which two surfaces count as touching, so that they may cross [m]."""
@@ -233,8 +236,8 @@ class SurfacePairs:
             found: contacts so far, which is added to.
             corners: whether the outlines of the patches are wanted.
         """
-        # By number of the pair: how far its triangles may be from each other, and where one is in
-        # the other, how much less their distance is than that of the surfaces.
+        # By number of the pair: how far its surfaces are apart, and where one is in the
+        # other, how much less their distance is than that of the surfaces.
         apart: dict[int, tuple[float, float]] = {}
         deep: dict[int, float] = {}
         for k in range(len(rows)):
@@ -257,15 +260,15 @@ class SurfacePairs:
             if least - sunk > limit[owner]:
                 distance[owner] = min(distance[owner], least - sunk)
             else:
-                apart[k] = max(gap, 0.0) + _REACH, sunk
+                apart[k] = max(gap, 0.0), sunk
         if deep:
             crossing = self._passed_through(rows, deep, found, corners)
-            apart.update(dict.fromkeys(crossing, (_REACH, 0.0)))
+            apart.update(dict.fromkeys(crossing, (0.0, 0.0)))
         if apart:
-            reach, sunk_in = np.array(list(apart.values())).T
+            gaps, sunk_in = np.array(list(apart.values())).T
             several = chosen_of(rows, np.array(list(apart)))
             near = self._pairing.near_triangles(
-                replace(several, owner=np.arange(len(apart))), reach
+                replace(several, owner=np.arange(len(apart))), gaps + _SLACK, ROUGHNESS
             )
             sunk_in = sunk_in[near.owner]
             near.owner = several.owner[near.owner]
@@ -459,6 +462,7 @@ class SurfacePairs:
         number, depth, facing = self._facing(several, others, most, corners)
         depths = np.full(len(deep), np.nan)
         np.fmax.at(depths, number, depth)
+        depths[depths < -UNEVEN] = np.nan  # they cross elsewhere
         depths[sunk] = np.fmax(depths[sunk], most[sunk])
         crossings |= {
             k: self._crossing(row[k])
@@ -471,10 +475,10 @@ class SurfacePairs:
                 faces = _some(facing, (number == k).nonzero()[0])
                 found.append(self._sunk(row[k], float(most[k]), float(depths[k]), crossing, faces))
                 by_faces[k] = False
-        rows = by_faces[number].nonzero()[0]
+        only_touch = by_faces & np.isnan(depths)
+        rows = (by_faces & ~only_touch)[number].nonzero()[0]
         if len(rows):
             found.append(_some(facing, rows))
-        only_touch = by_faces & np.isnan(depths)
         return [pair for pair, touches in zip(deep, only_touch, strict=True) if touches]
 
     def _facing(
@@ -554,7 +558,7 @@ class SurfacePairs:
         separation = separation[over]
         middle = (faces.first.sum(axis=1) + faces.second.sum(axis=1)) / 6
         patch = patches(
-            faces.first - middle[:, None], faces.second - middle[:, None], axis, PATCH_GAP
+            faces.first - middle[:, None], faces.second - middle[:, None], axis, ROUGHNESS
         )
         centre = middle + patch.centre
         depth = separation + np.where(patch.found, patch.gap, 0.0)
@@ -639,8 +643,11 @@ class SurfacePairs:
             corners = None if facing.corners is None else list(patch.corners)
         distance = -min(depth, most) - row.radius_a - row.radius_b
         areas = np.full(1, area)
+        cores = np.array([row.first, row.second])
         within = np.full(1, _REACH)
-        return CoreContacts(row.owner, distance, normal, centre, areas, areas, within, corners)
+        return CoreContacts(
+            row.owner, cores, distance, normal, centre, areas, areas, within, corners
+        )
 
     def _is_deep(self, row: CorePairs, most: float) -> bool:
         """Whether a corner of either surface is surely deeper than ``most`` [m] inside the other

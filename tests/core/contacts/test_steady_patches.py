@@ -7,10 +7,20 @@ import math
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.hull import convex_hull
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
-from haptic_tracing.core.contacts.shapes import Box, Capsule, Cone, ConvexHull, Cylinder
+from haptic_tracing.core.contacts.shapes import (
+    Box,
+    Capsule,
+    Compound,
+    Cone,
+    ConvexHull,
+    Cylinder,
+    Mesh,
+    Sphere,
+)
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener, Pose, Source
 from level_properties import changes_of_moved_bodies, of_measured_materials
 
@@ -198,3 +208,62 @@ def test_the_face_of_an_uneven_mesh_is_its_patch(uneven, cuts, below):
     assert found.area[0] == pytest.approx(1.0, rel=0.1)
     np.testing.assert_allclose(found.normal[:, 0], [0, 0, 1], atol=4 * uneven)
     np.testing.assert_allclose(found.centre[:, 0], [0.3, 0.2, 0.5], atol=0.03)
+
+
+FEET = [np.array([x, y, 0.0]) for x in (-0.4, 0.4) for y in (-0.3, 0.3)]
+FLOOR = np.array([[-3.0, -3.0, 0.0], [3.0, -3.0, 0.0], [3.0, 3.0, 0.0], [-3.0, 3.0, 0.0]])
+FLOORS = {
+    "box": (Box((6.0, 6.0, 1.0)), -0.5),
+    "plane": (ConvexHull(FLOOR), 0.0),
+    "mesh": (Mesh(FLOOR, [[0, 1, 2], [0, 2, 3]]), 0.0),
+}
+
+
+def table() -> Mesh:
+    """One mesh of a top and four legs of 4 cm by 4 cm that end at 0."""
+    boxes = [(foot + np.array([0.0, 0.0, 0.35]), (0.04, 0.04, 0.7)) for foot in FEET]
+    boxes.append((np.array([0.0, 0.0, 0.72]), (1.0, 0.8, 0.04)))
+    hulls = [convex_hull(middle + corners_of(size)) for middle, size in boxes]
+    return Mesh(
+        np.concatenate([hull.points for hull in hulls]),
+        np.concatenate([hull.triangles + 8 * k for k, hull in enumerate(hulls)]),
+    )
+
+
+BODIES = {
+    "balls": (Compound(tuple((Sphere(0.02), Pose(tuple(foot))) for foot in FEET)), 0.02, 0.0),
+    "capsules": (
+        Compound(tuple((Capsule(0.02, 0.3), Pose(tuple(foot))) for foot in FEET)),
+        0.17,
+        0.0,
+    ),
+    "table": (table(), 0.0, 4 * 0.04**2),
+}
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("sunk", [0.0, 0.0005])
+@pytest.mark.parametrize("tilt", [0.0, 1e-4, 1e-3, 4e-3])
+def test_a_body_stands_on_all_its_feet(floor, body, sunk, tilt):
+    """Feet count fully up to half of `ROUGHNESS` above the lowest one, round ones as well: the
+    contact is in their middle, and as large as the faces that are on the floor."""
+    ground, level = FLOORS[floor]
+    shape, height, area = BODIES[body]
+    turned = math.cos(tilt / 2), 0.0, math.sin(tilt / 2), 0.0
+    raised = height + 0.4 * math.sin(tilt) - sunk
+    found = contacts_of_scene(
+        HapticScene(
+            (
+                HapticObject("floor", 0.1, 0.9, shape=ground, pose=Pose((0.0, 0.0, level))),
+                HapticObject("body", 0.1, 0.9, shape=shape, pose=Pose((0.0, 0.0, raised), turned)),
+            ),
+            (),
+            (),
+            (),
+        )
+    )
+    assert len(found) == 1
+    middle = found.positions[0].mean(axis=0)
+    assert np.abs(middle[:2]).max() < 0.01
+    assert found.area[0] == pytest.approx(area, rel=0.05)
