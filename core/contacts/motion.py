@@ -31,6 +31,9 @@ hit."""
 
 _DEVIATION = 0.001
 """Metres of deviation from the extrapolated path above which a body counts as disturbed."""
+_CHANGE = 1.0
+"""The same where an interval is longer than 1/22 s: a change of acceleration [m/s^2], as that of a
+body whose fall is damped."""
 
 
 @frozen
@@ -261,7 +264,8 @@ class MotionHistory:
         t = paths.duration
         straight = paths.end[9:] - paths.start[9:] - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
-        return self.moving() & (np.minimum(_squared(straight), _squared(bent)) > _DEVIATION**2)
+        limit = max(_DEVIATION, _CHANGE / 2 * t * t)
+        return self.moving() & (np.minimum(_squared(straight), _squared(bent)) > limit**2)
 
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
         """Paths from the last frame but one to the last. None before there are three poses.

@@ -193,17 +193,19 @@ def test_jumps_rate_changes_and_subframes_make_no_impacts(drop, scene):
     assert session.result_of(scene).impacts == ()
 
 
-@pytest.mark.parametrize("step", [2, 5])
-def test_dropped_frames_of_playback_lose_no_blow(drop, scene, monkeypatch, step):
+@pytest.mark.parametrize("step", [2, 3, 4, 5])
+@pytest.mark.parametrize("damping", [0.0, 0.04])
+def test_dropped_frames_of_playback_lose_no_blow(drop, scene, monkeypatch, step, damping):
     """With *Frame Dropping* or *Sync to Audio* the fall ends with the same blow."""
+    drop.rigid_body.linear_damping = damping
     monkeypatch.setattr(session, "is_playing", lambda: True)
     ((_, whole),) = played(scene, range(1, 31))
     for first in range(1, step + 1):
         (frame, blow), *others = played(scene, range(first, 31, step))
-        assert others == []
+        assert all(bounce.energy < 0.05 * whole.energy for _, bounce in others)
         assert frame - step < 1 + 24 * whole.time <= frame
-        assert blow.time == pytest.approx(math.sqrt(2 * 2.0 / 9.81), abs=0.004)
-        assert blow.energy == pytest.approx(10 * 9.81 * 2.0, rel=0.03)
+        assert blow.time == pytest.approx(whole.time, abs=0.002)
+        assert blow.energy == pytest.approx(whole.energy, rel=0.02)
     scene.frame_set(1)
     assert played(scene, [20]) == []  # too long a gap to say what happened in it
 
