@@ -210,7 +210,7 @@ class _HullFace:
     """
 
     corners: tuple[int, int, int]
-    normal: FloatArray
+    normal: Point
     offset: float
     outside: IntArray
     neighbours: dict[tuple[int, int], _HullFace] = field(default_factory=dict)
@@ -264,7 +264,7 @@ class _Quickhull:
             nx = nx / length
             ny = ny / length
             nz = nz / length
-        return _HullFace((a, b, c), np.array([nx, ny, nz]), nx * ax + ny * ay + nz * az, _NONE)
+        return _HullFace((a, b, c), (nx, ny, nz), nx * ax + ny * ay + nz * az, _NONE)
 
     @staticmethod
     def _link(faces: list[_HullFace]) -> None:
@@ -279,14 +279,13 @@ class _Quickhull:
 
     def _share_out(self, indices: IntArray, faces: list[_HullFace]) -> None:
         """Assign every point outside some face to the face it is farthest from."""
-        if not len(indices):
+        heights = self._points.take(indices, axis=0) @ np.array([f.normal for f in faces]).T
+        heights -= [f.offset for f in faces]
+        top = heights.max(axis=1)
+        outside = (top > self._enough).nonzero()[0]
+        if not len(outside):
             return
-        heights = self._points[indices] @ np.array([f.normal for f in faces]).T - np.array(
-            [f.offset for f in faces]
-        )
         best = heights.argmax(axis=1)
-        top = heights[np.arange(len(indices)), best]
-        outside = np.flatnonzero(top > self._enough)
         order = outside[np.lexsort((top[outside], best[outside]))]
         counts = np.bincount(best[order], minlength=len(faces)).tolist()
         end = 0
@@ -297,7 +296,7 @@ class _Quickhull:
 
     def _add_point(self, start: _HullFace) -> list[_HullFace]:
         apex = int(start.outside[-1])
-        point = self._points[apex]
+        x, y, z = self._coordinates[apex]
         visible = [start]
         start.alive = False
         horizon: list[tuple[tuple[int, int], _HullFace]] = []
@@ -305,21 +304,31 @@ class _Quickhull:
             for edge, other in face.neighbours.items():
                 if not other.alive:
                     continue
-                if float(other.normal @ point) - other.offset > self._level:
+                nx, ny, nz = other.normal
+                if nx * x + ny * y + nz * z - other.offset > self._level:
                     other.alive = False
                     visible.append(other)
                 else:
                     horizon.append((edge, other))
-        horizon = [(edge, other) for edge, other in horizon if other.alive]
         created = []
+        # The new face beside each edge from, and to, the apex, by the other end.
+        begins: dict[int, _HullFace] = {}
+        ends: dict[int, _HullFace] = {}
         for (a, b), other in horizon:
-            face = self._face(a, b, apex)
-            face.neighbours[(a, b)] = other
-            other.neighbours[(b, a)] = face
+            if not other.alive:
+                continue
+            face = begins[a] = ends[b] = self._face(a, b, apex)
+            face.neighbours[a, b] = other
+            other.neighbours[b, a] = face
             created.append(face)
-        self._link(created)
-        orphans = np.concatenate([face.outside for face in visible])
-        self._share_out(orphans[orphans != apex], created)
+        for face in created:
+            a, b, _ = face.corners
+            face.neighbours[b, apex] = begins[b]
+            face.neighbours[apex, a] = ends[a]
+        orphans = [start.outside[:-1], *(face.outside for face in visible[1:])]
+        orphans = [some for some in orphans if len(some)]
+        if orphans:
+            self._share_out(np.concatenate(orphans), created)
         self._faces.extend(created)
         return created
 
