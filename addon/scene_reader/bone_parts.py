@@ -81,11 +81,9 @@ class BoneParts:
             turns[part] = side * (left @ right)
             stretch = np.round(right.T * (side * sizes) @ right, 3)
             hulls[part] = _stretched(hulls[part], stretch.tobytes())
-        poses = (
-            Pose(place, Matrix(turn).to_quaternion().normalized())
-            for place, turn in zip(motions[:, :3, 3].tolist(), turns.tolist(), strict=True)
-        )
-        return Compound(tuple(zip(hulls, poses, strict=True)))
+        places = map(tuple, motions[:, :3, 3].tolist())
+        rotations = (tuple(Matrix(turn).to_quaternion().normalized()) for turn in turns.tolist())
+        return Compound(tuple(zip(hulls, map(Pose, places, rotations), strict=True)))
 
     def deviation(
         self, motions: FloatArray, obj: Object, depsgraph: Depsgraph, stretch: FloatArray
@@ -122,8 +120,8 @@ def rest_checksum(obj: Object, armature: Object) -> tuple[object, ...]:
     bones = armature.data.bones
     return (
         armature.name_full,
-        tuple((bone.name, bone.use_deform) for bone in bones),
-        tuple(obj.vertex_groups.keys()),
+        (*bones.keys(), *obj.vertex_groups.keys()),
+        read_array(bones, "use_deform", 1, np.bool_).tobytes(),
         zlib.crc32(read_array(bones, "matrix_local", 16).tobytes()),
     )
 
@@ -190,7 +188,7 @@ def _hull(points: bytes, triangles: bytes) -> tuple[ConvexHull, float]:
     own = np.frombuffer(points).reshape(-1, 3)
     hull = ConvexHull(convex_hull(own, _SMOOTH).points)
     normals, offsets = convex_hull(hull.points).planes()
-    beyond = float((own @ normals.T - offsets).max(initial=0.0))
+    beyond = float(((own @ normals.T).max(axis=0) - offsets).max(initial=0.0))
     mine = np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)
     return hull, max(beyond, hull_deviation(own, mine, _SMOOTH))
 

@@ -759,8 +759,8 @@ def _is_same_but_shape(tagged: Tagged, known: Tagged) -> bool:
     """Whether nothing but the shape of a haptic object differs from what was ``known`` of it."""
     if tagged.body is None or known.body is None:
         return False
-    body = replace(tagged.body, shape=known.body.shape)
-    return replace(tagged, body=body, surface=known.surface) == known
+    # Of an object, a body differs by its shape alone.
+    return replace(tagged, body=known.body, surface=known.surface) == known
 
 
 def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:

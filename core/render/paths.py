@@ -135,9 +135,8 @@ class SteadyPaths(TonePaths):
         self.group = group
         rate = group.streams[0].sample_rate
         count = frame.count
-        frequency, amplitude, phase, onset = np.hsplit(
-            np.array([_tone_values(stream) for stream in group.streams]), 4
-        )
+        tones = np.array([_tone_values(stream) for stream in group.streams])
+        frequency, amplitude, phase, onset = tones.T[:, :, None]
         factors, curves = group.gains.terms(frame)
         if factors.shape[3] > 1:
             factors = (

@@ -168,7 +168,7 @@ class Pose:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", _finite_vector("position", self.position))
-        rotation = _finite_vector("rotation", self.rotation, 4)
+        w, x, y, z = rotation = _finite_vector("rotation", self.rotation, 4)
         length = math.hypot(*rotation)
         if length < 1e-12:
             raise ValueError("rotation: a quaternion of length 0 is no rotation")
@@ -176,7 +176,9 @@ class Pose:
         object.__setattr__(
             self,
             "rotation",
-            rotation if abs(length - 1) < 1e-12 else tuple(v / length for v in rotation),
+            rotation
+            if abs(length - 1) < 1e-12
+            else (w / length, x / length, y / length, z / length),
         )
 
 

@@ -79,7 +79,7 @@ class NarrowPhase:
         """Give a body of several cores the ``shape`` with these local ``bounds``, which differs
         from its own only in the places of its parts. Returns False where it has a single core, or
         no core of the table had a place."""
-        if not self._table.placed or np.diff(self._table.start)[body] == 1:
+        if not self._table.placed or self._is_single[body]:
             return False
         self._table.place(body, shape)
         self._hollow.measure(body, bounds)

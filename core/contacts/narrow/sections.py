@@ -79,8 +79,9 @@ def reach(
     result = np.zeros(ways.shape[1:])
     boxes = np.flatnonzero(table.kind[core] == Kind.BOX)
     if len(boxes):
+        half = table.outline[:, core[boxes]]
         result[:, boxes] = _reach(
-            SIDES, np.tile(table.outline[:, core[boxes]], (2, 1)), local[:, boxes], ways[..., boxes]
+            SIDES, np.concatenate([half, half]), local[:, boxes], ways[..., boxes]
         )
     alike: dict[tuple[int, float], list[int]] = {}
     for row in np.flatnonzero(table.kind[core] == Kind.HULL).tolist():
