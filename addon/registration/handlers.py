@@ -235,7 +235,16 @@ def _mark_changes(depsgraph: Depsgraph) -> None:
     if edits:
         world = depsgraph.scene.rigidbody_world
         bodies = None if world is None else world.collection
-        mark_changed(None if any(_concerns_others(edit, bodies) for edit in edits) else ())
+        if any(_concerns_others(edit, bodies) for edit in edits):
+            mark_changed()
+        else:  # Blender before 5.0 names edits of a rigid body as it names moves
+            mark_changed(
+                [
+                    update.id.session_uid
+                    for update in depsgraph.updates
+                    if isinstance(update.id, Object) and update.id.rigid_body
+                ]
+            )
 
 
 def _concerns_others(update: DepsgraphUpdate, bodies: Collection | None) -> bool:

@@ -348,7 +348,7 @@ def _added(terms: FloatArray) -> FloatArray:
 def _move_to_nearest_corners(found: BoxContacts, share: FloatArray, boxes: _Boxes) -> None:
     """Move each centre ``found`` by ``share`` (p,) of the way to the mean of the corners whose
     distance to the other box, or depth in it along the normal, is nearly the least; this mean lies
-    in the plane of the centre, which has a small weight of its own.
+    in the plane of the centre, which counts the more the farther apart the nearest corner is.
 
     Completes the contacts that are not exact: boxes apart whose nearest points are a corner of one
     and any point of the other. Parallel edges that face each other are equally near all along; the
@@ -376,8 +376,9 @@ def _move_to_nearest_corners(found: BoxContacts, share: FloatArray, boxes: _Boxe
     # 0 for corners that are past the other box.
     beside = np.maximum(1.0 - corners.distance / ROUGHNESS, 0.0)
     depth = np.minimum(corners.depth(normal), 0.0) * (beside * exact)
-    total, weight = corners.middles(_nearness(corners.distance + depth - least))
-    own = _LEAST_WEIGHT * exact
+    near = _nearness(corners.distance + depth - least)
+    total, weight = corners.middles(near)
+    own = np.maximum(_LEAST_WEIGHT, 1.0 - near.max(axis=(0, 1))) * exact
     mean = (own * middle + total) / (own + weight)
     mean += normal * (dot(normal, middle - mean) * exact)
     found.centre[:, rows] = middle + part * (mean - middle)

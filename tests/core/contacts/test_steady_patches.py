@@ -267,3 +267,33 @@ def test_a_body_stands_on_all_its_feet(floor, body, sunk, tilt):
     middle = found.positions[0].mean(axis=0)
     assert np.abs(middle[:2]).max() < 0.01
     assert found.area[0] == pytest.approx(area, rel=0.05)
+
+
+@pytest.mark.parametrize("degrees", [1.7, 2.0, 2.5, 3.0, 5.0])
+def test_crossing_edges_touch_where_they_cross(degrees):
+    """Two bars of 1 m, edge on edge, cross at 0.2 m. Their ends at 0.5 m are up to 1 cm apart, and
+    count less than the place where they touch."""
+    bar, diagonal = Box((1.0, 0.1, 0.1)), 0.1 * math.sqrt(2.0)
+    roll, turn = math.pi / 8, math.radians(degrees) / 2
+    along = math.cos(roll), math.sin(roll), 0.0, 0.0
+    across = (
+        math.cos(turn) * math.cos(roll),
+        math.cos(turn) * math.sin(roll),
+        math.sin(turn) * math.sin(roll),
+        math.sin(turn) * math.cos(roll),
+    )
+    upper = Pose((0.2, 0.0, diagonal - 5e-4), across)
+    found = contacts_of_scene(
+        HapticScene(
+            (
+                HapticObject("lower", 0.1, 0.9, shape=bar, pose=Pose((0.0, 0.0, 0.0), along)),
+                HapticObject("upper", 0.1, 0.9, shape=bar, pose=upper),
+            ),
+            (),
+            (),
+            (),
+        )
+    )
+    x, y, _ = found.positions[0].mean(axis=0)
+    assert 0.19 < x < (0.35 if degrees < 3 else 0.21)
+    assert abs(y) < 0.01
