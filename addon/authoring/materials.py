@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import bpy
@@ -17,12 +18,14 @@ from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
 from ..blender.units import metres_per_unit
 from ..properties import materials
-from ..properties.declared import write_values
+from ..properties.declared import held_values, write_values
 from ..properties.materials import SHARED, HapticMaterial, add_material, values_of
+from ..properties.object import HapticObjectProperties
 from ..scene_reader.objects import mass_of
-from .sizes import sizes_of
+from .sizes import Sizes
 
 _FLESH = MATERIALS["flesh"]
+_PRESETS = {material.title: material for material in MATERIALS.values()}
 _OF_ROBOTS = re.compile(r"(?i)(?<![a-z])(robot|urdf|gripper|(base_?)?links?|joint)(?![a-z])")
 
 
@@ -93,12 +96,10 @@ def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None
         obj.haptics.enabled = True
     _apply_presets(scene, made_of, depsgraph)
     if is_physical:
-        new = [obj for obj in made_of if not obj.haptics.is_property_set("function")]
-        make_physical(new, depsgraph=depsgraph)
-        for obj in new:
-            if preset_of(obj) is None:
-                _damp(obj, MATERIALS["plastic"], depsgraph)
-                obj.haptics.material_k = transfer_coefficient(obj.haptics.kappa, obj.haptics.rho)
+        sizes = Sizes(depsgraph)
+        for obj in made_of:
+            if not obj.haptics.is_property_set("function"):
+                _damp(obj, preset_of(obj), sizes)
 
 
 def meet_flesh(scene: Scene, objects: Iterable[Object]) -> None:
@@ -122,8 +123,7 @@ def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
 
 def preset_of(obj: Object) -> Material | None:
     """The preset from which an object's library material was made, found by its title."""
-    title = obj.haptics.material.name.partition(".")[0]
-    return next((material for material in MATERIALS.values() if material.title == title), None)
+    return _PRESETS.get(obj.haptics.material.name.partition(".")[0])
 
 
 def make_physical(
@@ -132,23 +132,36 @@ def make_physical(
     """Give objects made of a preset the measured physical function, by their sizes in ``depsgraph``
     or as they are now; half-spaces stay such. Returns their number."""
     presets = {obj: material for obj in objects if (material := preset_of(obj)) is not None}
-    for obj, material in presets.items():
-        depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
-        _damp(obj, material, depsgraph, in_a_building)
+    if presets:
+        sizes = Sizes(depsgraph or bpy.context.evaluated_depsgraph_get())
+        for obj, material in presets.items():
+            _damp(obj, material, sizes, in_a_building)
     return len(presets)
 
 
 def _damp(
-    obj: Object, material: Material, depsgraph: Depsgraph, in_a_building: bool = False
+    obj: Object, material: Material | None, sizes: Sizes, in_a_building: bool = False
 ) -> None:
-    """Give an object the measured damping of a material."""
+    """Give an object the measured damping of a material; of an unknown one that of plastic, with
+    the coefficients that the object has. Equal values are not written, which takes longer than to
+    compare them."""
     haptics = obj.haptics
     is_half_space = (haptics.function, haptics.wave) == ("physical", "surface")
     haptics.function = "physical"
-    sizes = sizes_of(obj, depsgraph)
-    write_values(
-        haptics, physical(material.name, sizes, in_a_building, part_in(obj.name), is_half_space)
-    )
+    name = "plastic" if material is None else material.name
+    part = part_in(obj.name) if name == "flesh" else ""
+    values = _damping(name, sizes.of(obj), in_a_building, part, is_half_space)
+    if material is None:
+        values = {**values, "material_k": transfer_coefficient(haptics.kappa, haptics.rho)}
+    for key, value in values.items():
+        if getattr(haptics, key) != value:
+            setattr(haptics, key, value)
+
+
+@lru_cache(maxsize=1024)
+def _damping(*told: Any) -> Mapping[str, Any]:
+    """What the properties of an object hold of the `physical` function of a body."""
+    return MappingProxyType(held_values(HapticObjectProperties, physical(*told)))
 
 
 def use_physical(scene: Scene, objects: Iterable[Object], in_a_building: bool) -> int:
@@ -196,11 +209,11 @@ def set_bodies(objects: Iterable[Object], body: str) -> int:
     """Let those of ``objects`` that are made of flesh damp as measured, or be felt all over.
     Returns their number."""
     bodies = [obj for obj in objects if preset_of(obj) is _FLESH]
-    depsgraph = bpy.context.evaluated_depsgraph_get()
+    sizes = Sizes(bpy.context.evaluated_depsgraph_get())
     for obj in bodies:
-        _damp(obj, _FLESH, depsgraph)
+        _damp(obj, _FLESH, sizes)
         if body == "FELT_ALL_OVER":
-            write_values(obj.haptics, felt_all_over(sizes_of(obj, depsgraph)))
+            write_values(obj.haptics, felt_all_over(sizes.of(obj)))
     return len(bodies)
 
 

@@ -21,7 +21,8 @@ def mark_changed(objects: Collection[int] | None = None) -> None:
         _changes["everywhere"] = _changes["authored"]
         _objects.clear()
     else:
-        _objects.update(dict.fromkeys(objects, _changes["authored"]))
+        for number in objects:
+            _objects[number] = _changes["authored"]
 
 
 def changed_since(revision: int) -> frozenset[int] | None:

@@ -194,15 +194,22 @@ def read_values(cls: type, group: Any, stored: Form) -> dict[str, Any]:
     return values
 
 
+def held_values(group: Any, item: Any) -> dict[str, Any]:
+    """What properties of a group hold of the fields of ``item``, by their names; None of unknown
+    choices."""
+    declarations = declared(item.__class__)
+    held = group.held.get(type(item), _NOTHING)
+    return {name: _held_as(declarations[key], getattr(item, key)) for key, name in held.items()}
+
+
 def write_values(group: Any, item: Any) -> list[str]:
     """Set the properties of a group to what they hold of the fields of ``item``. Returns sentences
     about losses."""
     losses = []
+    values = held_values(group, item)
     for key, name in group.held.get(type(item), _NOTHING).items():
-        value = getattr(item, key)
-        held = _held_as(declared(item.__class__)[key], value)
-        if held is None:
-            losses.append(f"{key.replace('_', ' ')} {value!r}")
+        if values[name] is None:
+            losses.append(f"{key.replace('_', ' ')} {getattr(item, key)!r}")
         else:
-            setattr(group, name, held)
+            setattr(group, name, values[name])
     return losses

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from operator import attrgetter
 from typing import Any
 
+import bpy
 from bpy.props import (
     CollectionProperty,
     FloatProperty,
@@ -80,8 +81,9 @@ def write_values(obj: Object, values: dict[str, Any]) -> None:
 
 
 def made_of(scene: Scene, name: str) -> Iterator[Object]:
-    """The editable objects of a scene with a material of its library."""
-    return (obj for obj in scene.objects if obj.haptics.material.name == name and obj.is_editable)
+    """The editable objects of a scene with a material of its library, none without a name."""
+    objects = scene.objects if name else ()
+    return (obj for obj in objects if obj.haptics.material.name == name and obj.is_editable)
 
 
 def _material_changed(self: HapticMaterial, context: Context) -> None:
@@ -96,7 +98,7 @@ def _material_renamed(self: HapticMaterial, context: Context) -> None:
     scene = self.id_data
     taken = {item.name for item in scene.haptics.materials.items if item != self}
     name = unique_name(self.name or self.known_as, taken)
-    for obj in progress(list(made_of(scene, self.known_as)) if self.known_as else ()):
+    for obj in progress(list(made_of(scene, self.known_as))):
         obj.haptics.material.name = name
     self.known_as = name
     if self.name != name:
@@ -247,10 +249,12 @@ def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMa
     library = scene.haptics.materials
     name = unique_name(name, {item.name for item in library.items})
     item = library.items.add()
+    for key, value in values.items():  # before it has a name, by which objects would be looked for
+        setattr(item, key, value)
     item.known_as = name
     item.name = name
-    for key, value in values.items():
-        setattr(item, key, value)
+    if values:
+        _material_changed(item, bpy.context)
     library.active = len(library.items) - 1
     return item
 

@@ -8,7 +8,7 @@ import math
 import bpy
 import pytest
 from haptic_tracing.addon.authoring import materials as library
-from haptic_tracing.addon.authoring.sizes import sizes_of
+from haptic_tracing.addon.authoring.sizes import Sizes
 from haptic_tracing.addon.scene_reader.functions import read_function
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.materials import MATERIALS
@@ -19,9 +19,8 @@ def sizes(scene):
     """The sizes of the active object, of its evaluated mesh."""
 
     def of_active():
-        return sizes_of(
-            bpy.context.view_layer.objects.active, bpy.context.evaluated_depsgraph_get()
-        )
+        active = bpy.context.view_layer.objects.active
+        return Sizes(bpy.context.evaluated_depsgraph_get()).of(active)
 
     return of_active
 
@@ -44,6 +43,20 @@ def thicken(obj: bpy.types.Object, wall: float) -> None:
 def test_a_solid_box_has_the_sizes_of_its_box(sizes, add_box, size):
     bpy.context.view_layer.objects.active = add_box("box", (0, 0, 0), size)
     assert sizes() == pytest.approx(sorted(size, reverse=True), rel=1e-5)
+
+
+def test_bodies_that_share_a_mesh_have_each_the_sizes_of_their_scale(add_box):
+    first = add_box("box", (0, 0, 0), (1, 1, 1))
+    boxes = [first, *(first.copy() for _ in range(3))]
+    scales = [(1, 1, 1), (4, 0.1, 0.2), (0.1, 4, 0.2), (-3, 2, 0.01)]
+    for box, scale in zip(boxes, scales, strict=True):
+        box.scale = scale
+    for box in boxes[1:]:
+        bpy.context.collection.objects.link(box)
+    bpy.context.view_layer.update()
+    sizes = Sizes(bpy.context.evaluated_depsgraph_get())
+    for box, scale in zip(boxes, scales, strict=True):
+        assert sizes.of(box) == pytest.approx(sorted(map(abs, scale), reverse=True), rel=1e-5)
 
 
 def test_solid_cylinders_and_balls_are_as_thick_as_they_are_wide(sizes, scene):
