@@ -17,8 +17,7 @@ class Evaluation:
         objects: that were evaluated, by session id.
         edited: session ids of the meshes, and of the objects whose geometry may have changed, with
             the compounds that they are parts of.
-        authored: of those the objects that were moved, too: Blender says so of every edit of a
-            property.
+        authored: of those the rigid bodies: Blender names no edit of their physics otherwise.
         names_all: whether nothing else has changed, and no object has come or gone.
     """
 
@@ -45,7 +44,7 @@ class Evaluation:
                 if update.is_updated_geometry:
                     whole = _with_compounds(changed)
                     edited |= whole
-                    authored |= whole if update.is_updated_transform else set()
+                    authored |= whole if changed.rigid_body is not None else set()
                 elif not update.is_updated_transform:  # animation may have hidden it
                     names_all = False
         return cls(objects, frozenset(edited), frozenset(authored), names_all)

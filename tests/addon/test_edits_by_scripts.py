@@ -4,6 +4,7 @@ from frame to frame by themselves."""
 import bpy
 import pytest
 from haptic_tracing.addon.session import session
+from haptic_tracing.core.contacts.settings import Motion
 from making_haptic import make_haptic
 
 
@@ -63,3 +64,29 @@ def test_what_a_script_sets_counts_from_the_next_frame_on(scene, add_box, make):
     assert read()[1][0].gain == 0.5
     listener.enabled = False
     assert read()[1] == ()
+
+
+@pytest.mark.parametrize("make", [by_bones, by_shape_key, at_rest])
+def test_a_rigid_body_counts_from_the_next_frame_on_until_it_is_removed(scene, add_box, make):
+    box = make(add_box)
+    make_haptic(box, add_box("floor", (0, 0, -0.1), (9, 9, 0.2), haptic=False))
+
+    def read():
+        scene.frame_set(scene.frame_current + 1)
+        session.result_of(scene)
+        (found,) = [o for o in session.of(scene).reading.objects if o.name == box.name]
+        return found
+
+    for _ in range(3):
+        assert (read().motion, read().mass) == (Motion.KINEMATIC, None)
+    bpy.context.view_layer.objects.active = box
+    bpy.ops.rigidbody.object_add(type="PASSIVE")
+    assert read().motion is Motion.STATIC
+    box.rigid_body.mass = 3
+    assert read().mass == 3
+    box.rigid_body.kinematic = True
+    assert read().motion is Motion.KINEMATIC
+    bpy.ops.rigidbody.object_remove()
+    assert read().mass is None
+    box.name = "renamed"
+    assert read().name == "renamed"
