@@ -98,6 +98,7 @@ class SceneReader:
         self._contact_settings = ContactSettings()
         self._unchecked: set[int] = set()  # session ids of objects whose geometry may have changed
         self._authored: set[int] = set()  # and of those with properties that may have
+        self._postponed: set[int] = set()  # of the first, those that the next reading compares
         self._curves = AnimatedCurves()
         # By row: what its animated properties were last.
         self._animated: dict[int, tuple[Any, ...]] = {}
@@ -140,8 +141,9 @@ class SceneReader:
 
     def recheck_shapes(self) -> None:
         """Make the next `read` compare all geometry with that of the shapes."""
-        self._authored.update((*self._shapes, *self._bone_parts))
-        self._unchecked |= {*self._authored, *(mesh.session_uid for mesh in bpy.data.meshes)}
+        meshes = (mesh.session_uid for mesh in bpy.data.meshes)
+        self._authored.update(self._shapes)
+        self._unchecked.update((*self._shapes, *self._bone_parts, *meshes))
 
     def note(self, evaluation: Evaluation) -> None:
         """Make the next `read` compare what an evaluation may have changed."""
@@ -491,7 +493,7 @@ class SceneReader:
                 for place, item in zip(places, lists.places, strict=True)
             ]
         self._lists = lists
-        self._unchecked.clear()
+        self._unchecked, self._postponed = self._postponed, set()
         self._authored.clear()
         return lists
 
@@ -702,6 +704,11 @@ class SceneReader:
         key = tuple(stretch.tolist()), rest_checksum(obj, armature)
         known = self._bone_parts.get(obj.session_uid)
         is_edited = obj.data is not None and obj.data.session_uid in self._unchecked
+        if is_edited and obj.session_uid in self._authored and self._lists is not None:
+            # After an edit of a property Blender names the mesh, too. To read all weights takes
+            # long: the next reading does it that follows anything else.
+            self._postponed |= {obj.session_uid, obj.data.session_uid}
+            is_edited = False
         if known is None or known[0] != key or is_edited:
             known = key, parts_at_rest(obj, armature, stretch), np.zeros(()), None
         parts, motions, shape = known[1:]

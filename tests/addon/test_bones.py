@@ -224,6 +224,36 @@ def test_weights_bones_and_vertices_can_be_edited(scene):
     assert reading.bodies[0].shape.type == "mesh"  # bones alone don't move it any more
 
 
+def test_weights_count_beside_edits_of_properties(scene):
+    _, body = walker()
+    make_haptic(body)
+    body.haptics.source.enabled = body.haptics.listener.enabled = True
+
+    def lowest_of_chest():
+        traced()
+        return sorted(points[:, 2].min() for points in parts("body"))[-1]
+
+    def give(group, other, vertices):
+        body.vertex_groups[group].add(vertices, 1.0, "REPLACE")
+        body.vertex_groups[other].remove(vertices)
+        body.data.update()
+
+    assert lowest_of_chest() == pytest.approx(1.1)
+    body.haptics.kappa = 0.4
+    assert lowest_of_chest() == pytest.approx(1.1)
+    give("chest", "hips", range(12))  # without anything else
+    assert lowest_of_chest() == pytest.approx(0.925)
+    body.haptics.kappa = 0.5
+    give("hips", "chest", range(12))  # at the same time
+    traced()
+    scene.frame_set(scene.frame_current + 1)
+    assert lowest_of_chest() == pytest.approx(1.1)
+    body.haptics.kappa = 0.6
+    give("chest", "hips", range(12))
+    bpy.ops.object.select_all(action="DESELECT")
+    assert lowest_of_chest() == pytest.approx(0.925)
+
+
 def test_body_listeners_find_a_mesh_that_a_modifier_binds(scene):
     rig, body = walker()
     rig.data.bones["chest"].name = "head"
