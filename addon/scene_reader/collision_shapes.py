@@ -172,6 +172,14 @@ def _shape_of_body(
             return SurfaceShape(shape_from_bounding_box(kind, bounds, size.tolist(), outside))
 
 
+def mesh_number(obj: Object, depsgraph: Depsgraph) -> int:
+    """A number of the evaluated mesh that an object shows, the same of objects that share it until
+    the next evaluation; 0 without a mesh, and of a compound, which depends on others."""
+    is_compound = obj.rigid_body is not None and obj.rigid_body.collision_shape == "COMPOUND"
+    data = obj.evaluated_get(depsgraph).data
+    return data.as_pointer() if isinstance(data, Mesh) and not is_compound else 0
+
+
 def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
     """Checksum of the geometry that the shape of ``obj`` is built from. That of a compound differs
     at each call, so that its shape is always built again."""

@@ -34,6 +34,7 @@ from .collision_shapes import (
     collision_shape,
     distance_of_cloth,
     mesh_checksum,
+    mesh_number,
     shape_of_instance,
     shape_settings,
 )
@@ -77,6 +78,8 @@ class SceneReader:
         self._shapes: dict[
             int, tuple[Any, Any, SurfaceShape]
         ] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
+        # The same of several objects that show one mesh, while everything is read.
+        self._alike: dict[Any, tuple[Any, Any, SurfaceShape]] = {}
         # By session id: what they were made from, the parts, their last motions, and the shape.
         self._bone_parts: dict[
             int, tuple[Any, BoneParts | None, FloatArray, SurfaceShape | None]
@@ -329,6 +332,7 @@ class SceneReader:
             row: self._read_object(row, obj, depsgraph, stretches[row])
             for row, obj in progress(tuple(tagged.items()))
         }
+        self._alike.clear()
         self._tagged |= instances
         numbers = {obj.session_uid: k for k, obj in enumerate(tagged.values())}
         # Below an untagged root, as imports have it, the first tagged one carries the others.
@@ -686,6 +690,12 @@ class SceneReader:
         known = self._shapes.pop(session_id, None)
         is_unchecked = session_id in self._unchecked
         is_known = known is not None and known[0] == key
+        alike = None
+        if known is None and self._lists is None:
+            alike = mesh_number(obj, depsgraph), obj.haptics.is_property_set("surface"), key
+            if alike in self._alike:
+                known = self._shapes[session_id] = self._alike[alike]
+                return known[2]
         started = perf_counter()
         content = mesh_checksum(obj, depsgraph) if is_unchecked or not is_known else None
         if known is None or not is_known or (is_unchecked and known[1] != content):
@@ -694,6 +704,8 @@ class SceneReader:
                 milliseconds = 1000 * (perf_counter() - started)
                 self._rebuilt = {**self._rebuilt, obj.name_full: milliseconds}
         self._shapes[session_id] = known
+        if alike is not None and alike[0]:
+            self._alike[alike] = known
         return known[2]
 
     def _bone_shape(

@@ -102,6 +102,40 @@ def test_a_lamp_in_the_air_of_a_room_is_silent(add_box):
     assert frozenset(("room", "lamp")) not in contacts()
 
 
+def test_objects_that_share_a_mesh_have_the_shapes_of_copies(ring):
+    torus = ring[0]
+    others = [torus.copy() for _ in range(9)]
+    for k, obj in enumerate(others):
+        obj.name, obj.location.x = f"other {k}", 2.0 * (k + 1)
+        bpy.context.collection.objects.link(obj)
+    make_haptic(torus, *others)
+    chosen, deep, large, mirrored, thick, body, mesh_body, whole, part = others
+    chosen.haptics.surface = "CONVEX_HULL"
+    deep.haptics.sunk_in = 0.01
+    large.scale = 2, 1, 1
+    mirrored.scale = -1, 1, 1
+    thick.modifiers.new("thick", "DISPLACE").strength = 0.05
+    for obj, shape in ((body, "BOX"), (mesh_body, "MESH"), (whole, "COMPOUND"), (part, "SPHERE")):
+        bpy.context.view_layer.objects.active = obj
+        bpy.ops.rigidbody.object_add()
+        obj.rigid_body.collision_shape = shape
+    part.parent = whole
+
+    def shapes():
+        session.clear()
+        contacts()
+        return {body.name: body.shape for body in sessions.shown(bpy.context.scene).reading.bodies}
+
+    shared = shapes()
+    for obj in others:
+        obj.data = obj.data.copy()
+    assert shapes() == shared
+    kinds = [shared[obj.name].type for obj in (torus, *others)]
+    hull, box, whole_of = "convex_hull", "box", "compound"
+    assert kinds == ["mesh", hull, *["mesh"] * 4, box, "mesh", whole_of, "sphere"]
+    assert len({shared[obj.name] for obj in (torus, deep, large, mirrored, thick, mesh_body)}) == 6
+
+
 def test_the_classes_of_surfaces(scene, add_box):
     """Open surfaces are shells, also where only a seam is open; closed ones solids, also where
     vertices at a seam are double."""
