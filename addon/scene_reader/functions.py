@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 from ...core.scene.functions import ALL_FUNCTIONS, Identity, ModulationFunction, Spectrum
@@ -29,7 +30,14 @@ def function_of(
     """The function that a group's properties choose, with their parameters. Raises ValueError."""
     cls = ALL_FUNCTIONS[group.function]
     known = fields_of(stored) if isinstance(stored, cls) else {}
-    return cls(spectrum=spectrum, **read_values(cls, group, known))
+    values = read_values(cls, group, known)
+    return _made(group.function, tuple(values), (spectrum, *values.values()))
+
+
+@lru_cache(maxsize=1024)
+def _made(kind: str, names: tuple[str, ...], values: tuple[Any, ...]) -> ModulationFunction:
+    """A function of a kind with its spectrum and the named values: the same one for all objects like it."""
+    return ALL_FUNCTIONS[kind](**dict(zip(("spectrum", *names), values, strict=True)))
 
 
 def read_transmission(row: Any) -> tuple[ModulationFunction, str]:

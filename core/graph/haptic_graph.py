@@ -114,36 +114,48 @@ class ObjectTable:
         """Tabulate the objects (each name once). Sorting by name makes every result independent of
         their order."""
         ordered = tuple(sorted(objects, key=lambda o: o.name))
-        pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in ordered]
+        # Large scenes are of few materials: each function is asked once.
+        keys = [(id(o.propagation), o.kappa, o.rho) for o in ordered]
+        alike = dict(zip(keys, ordered, strict=True))
+        number = {key: k for k, key in enumerate(alike)}
+        of = np.array([number[key] for key in keys], dtype=np.int64)
+        kinds = tuple(alike.values())
+        pairs = [o.propagation.log_linear(o.kappa, o.rho, epsilon) for o in kinds]
         forms = np.array(
-            [(math.nan, math.nan) if pair is None else pair for pair in pairs], dtype=np.float64
-        ).reshape(-1, 2)
-        bands, decays, slowness = _spectrum_arrays(
-            [o.propagation for o in ordered],
-            [o.propagation.band_decays(o.kappa, o.rho) for o in ordered],
+            [
+                (math.nan, math.nan, math.nan)
+                if pair is None
+                else (*pair, o.propagation.loss(o.kappa, o.rho, epsilon))
+                for o, pair in zip(kinds, pairs, strict=True)
+            ],
+            dtype=np.float64,
+        ).reshape(-1, 3)
+        factor, decay, loss = forms.T.take(of, axis=1)
+        bands, decays, slowness = (
+            None if values is None else values.take(of, axis=0)
+            for values in _spectrum_arrays(
+                [o.propagation for o in kinds],
+                [o.propagation.band_decays(o.kappa, o.rho) for o in kinds],
+            )
         )
+        special = np.array([pair is None for pair in pairs], dtype=np.bool_)
         return cls(
             names=tuple(o.name for o in ordered),
             objects=ordered,
-            factor=forms[:, 0].copy(),
-            decay=forms[:, 1].copy(),
-            loss=np.array(
-                [
-                    math.nan if p is None else o.propagation.loss(o.kappa, o.rho, epsilon)
-                    for o, p in zip(ordered, pairs, strict=True)
-                ]
-            ),
-            spreading=Spreading.of([o.propagation.spreading_law() for o in ordered]),
-            special=frozenset(i for i, pair in enumerate(pairs) if pair is None),
+            factor=factor,
+            decay=decay,
+            loss=loss,
+            spreading=Spreading.of([o.propagation.spreading_law() for o in kinds], of),
+            special=frozenset(np.flatnonzero(special[of]).tolist()),
             epsilon=epsilon,
             band_gains=bands,
             band_decays=decays,
             slowness=slowness,
             properties=np.array(
-                [(o.kappa, o.rho, o.propagation.impedance) for o in ordered], dtype=np.float64
+                [(o.kappa, o.rho, o.propagation.impedance) for o in kinds], dtype=np.float64
             )
             .reshape(-1, 3)
-            .T,
+            .T.take(of, axis=1),
         )
 
     def index(self) -> Mapping[str, int]:

@@ -47,22 +47,24 @@ class Law(NamedTuple):
 
 
 NO_SPREADING = Law(0.0, 1.0, math.inf, 1.0, math.inf)
+_ONE = np.zeros(1, dtype=np.int64)
 
 
 class Spreading:
-    """The laws of several objects as arrays. ``point`` (n,): the largest size [m] of patches that
-    count as points. ``from_patches``: whether any may be larger."""
+    """The laws of several objects as arrays: that of object k is ``laws[of[k]]``; by default
+    there is one. ``point`` (n,): the largest size [m] of patches that count as points.
+    ``from_patches``: whether any may be larger."""
 
-    def __init__(self, laws: Sequence[Law]) -> None:
-        self._laws = np.array([law[:5] for law in laws]).T
-        self.point = np.array([law.point for law in laws])
+    def __init__(self, laws: Sequence[Law], of: IntArray = _ONE) -> None:
+        self._laws = np.array([law[:5] for law in laws]).T.take(of, axis=1)
+        self.point = np.array([law.point for law in laws]).take(of)
         self.from_patches = bool((self.point < math.inf).any())
         self._one_stage = bool((self._laws[4] <= self._laws[2]).all())
 
     @classmethod
-    def of(cls, laws: Sequence[Law]) -> Spreading | None:
+    def of(cls, laws: Sequence[Law], of: IntArray = _ONE) -> Spreading | None:
         """The laws as arrays; None if waves spread in none of the objects."""
-        return cls(laws) if any(law.exponent for law in laws) else None
+        return cls(laws, of) if any(law.exponent for law in laws) else None
 
     def fronts(self, index: IntArray, size: FloatArray) -> FloatArray:
         """Patches of ``size`` (m,) [m] in objects ``index`` (m,) as fronts of waves from a point:
