@@ -5,23 +5,25 @@
 Each scene is made by formulas (`real_scenes`) in a process of its own. *Make Haptic* is pressed
 with all objects selected; one of them sounds and one is a listener. Blocks of frames are then
 played without and with tracing in turns, the first frame of each left out; `off` and `on` are
-medians of the processor's time of a frame, and `worst` is the longest that one with tracing takes,
-of the threads that run Python: those of Blender's pool use a processor while they wait for work,
-for about 1 ms after each frame of an animated mesh. `edit`: the same of a change of κ of one
-object. `memory` is what the tracer keeps,
+medians of the processor's time of a frame, of all threads. `traced` is what of it the extension's
+handlers and its thread take, and `worst` the longest of these: Blender's own threads wait actively
+after each frame that animates a mesh, as long as nothing else comes. `edit`: as `on`, of a change
+of κ of one object. `memory` is what the tracer keeps,
 `file` the scene with its frames as a haptic scene (`.json`), of 24 frames.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import multiprocessing
 import tempfile
 import threading
 import time
 import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 NAMES = ("kitchen", "robots", "walker", "pile", "rings", "city", "house", "still", "instances")
 BLOCK = 10
@@ -38,6 +40,7 @@ class Row(NamedTuple):
     first: float
     off: float
     on: float
+    traced: float
     worst: float
     edit: float
     memory: int
@@ -68,23 +71,27 @@ def measure(name: str) -> Row:
     result = session.trace(scene, bpy.context.evaluated_depsgraph_get(), live=True)
     first = time.process_time() - begun
     times: dict[bool, list[float]] = {False: [], True: []}
+    own = []
+    traced = _Traced()
     for begin in range(1, real_scenes.FRAMES + 1, BLOCK):
         tracing = scene.haptics.tracing = begin // BLOCK % 2 == 1
         for frame in range(begin, begin + BLOCK):
-            begun = _milliseconds()
+            begun, before = time.process_time(), traced.seconds
             scene.frame_set(frame)
-            result = session.result_of(scene) if tracing else result
+            result = traced.call(session.result_of, scene) if tracing else result
             if frame > begin + 1:
-                times[tracing].append(_milliseconds() - begun)
+                times[tracing].append(1000 * (time.process_time() - begun))
+                own += [1000 * (traced.seconds - before)] if tracing else []
     off, on = (sorted(times[tracing]) for tracing in (False, True))
+    own.sort()
     scene.haptics.tracing = True
     edits = []
     for _ in range(EDITS):
-        begun = _milliseconds()
+        begun = time.process_time()
         objects[-1].haptics.kappa *= 0.99
         bpy.context.view_layer.update()
         session.result_of(scene)
-        edits.append(_milliseconds() - begun)
+        edits.append(1000 * (time.process_time() - begun))
     session.clear()
     tracemalloc.start()
     session.trace(scene, bpy.context.evaluated_depsgraph_get())
@@ -98,17 +105,48 @@ def measure(name: str) -> Row:
         1000 * first,
         off[len(off) // 2],
         on[len(on) // 2],
-        on[-1],
+        own[len(own) // 2],
+        own[-1],
         sorted(edits)[EDITS // 2],
         held,
         _file_size(scene),
     )
 
 
-def _milliseconds() -> float:
-    """Processor time so far of the threads that run Python [ms]."""
-    running = (thread.ident for thread in threading.enumerate() if thread.ident)
-    return 1000 * sum(time.clock_gettime(time.pthread_getcpuclockid(ident)) for ident in running)
+class _Traced:
+    """Processor time of what the extension does: its handlers of frames, what is called here, and
+    its thread."""
+
+    def __init__(self) -> None:
+        import bpy
+
+        self._seconds = 0.0
+        handlers = bpy.app.handlers.frame_change_post
+        handlers[:] = [self._timed(handler) for handler in handlers]
+
+    @property
+    def seconds(self) -> float:
+        """So far [s]."""
+        return self._seconds + sum(
+            time.clock_gettime(time.pthread_getcpuclockid(thread.ident))
+            for thread in threading.enumerate()
+            if thread.name.startswith("haptic-tracing") and thread.ident is not None
+        )
+
+    def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """What a function returns, whose time on this thread counts."""
+        begun = time.thread_time()
+        try:
+            return function(*arguments)
+        finally:
+            self._seconds += time.thread_time() - begun
+
+    def _timed(self, handler: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(handler)
+        def timed(*arguments: Any) -> Any:
+            return self.call(handler, *arguments)
+
+        return timed
 
 
 def _file_size(scene: object) -> int:
@@ -127,11 +165,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", default=NAMES)
     print(
-        "scene    objects contacts | Make Haptic   first |    off      on   worst    edit |"
+        "scene    objects contacts | Make Haptic   first |    off      on  traced   worst    edit |"
         " memory   file"
     )
     print(
-        "                          |         s      ms |     ms      ms      ms      ms |"
+        "                          |         s      ms |     ms      ms      ms      ms      ms |"
         "     MB     MB"
     )
     for name in parser.parse_args().names:
@@ -139,8 +177,8 @@ def main() -> None:
             row = process.apply(measure, (name,))
         print(
             f"{row.name:<9}{row.objects:7}{row.contacts:9} |{row.make_haptic:12.2f}{row.first:8.0f}"
-            f" |{row.off:7.1f}{row.on:8.1f}{row.worst:8.1f}{row.edit:8.1f} |{row.memory / 1e6:7.1f}"
-            f"{row.file / 1e6:7.2f}",
+            f" |{row.off:7.1f}{row.on:8.1f}{row.traced:8.1f}{row.worst:8.1f}{row.edit:8.1f} |"
+            f"{row.memory / 1e6:7.1f}{row.file / 1e6:7.2f}",
             flush=True,
         )
 

@@ -36,7 +36,8 @@ def function_of(
 
 @lru_cache(maxsize=1024)
 def _made(kind: str, names: tuple[str, ...], values: tuple[Any, ...]) -> ModulationFunction:
-    """A function of a kind with its spectrum and the named values: the same one for all objects like it."""
+    """A function of a kind with its spectrum and the named values: the same one for all objects
+    like it."""
     return ALL_FUNCTIONS[kind](**dict(zip(("spectrum", *names), values, strict=True)))
 
 
