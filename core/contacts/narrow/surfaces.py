@@ -87,12 +87,9 @@ class CoreSurface:
             points, triangles, depth = core.mesh.points, core.mesh.triangles, core.sunk_in
         else:
             assert core.hull is not None
-            points, triangles = core.hull.points, core.hull.triangles
-            depth = (
-                0.0
-                if np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3
-                else core.sunk_in
-            )
+            points, triangles, depth = core.hull.points, core.hull.triangles, core.sunk_in
+        if depth > 0 and np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3:
+            depth = 0.0  # flat
         low, high = core.bounds()
         size = float(np.min(high - low)) + 2 * core.radius[0] if depth > 0 else np.inf
         index = MeshIndex.of(points[triangles])

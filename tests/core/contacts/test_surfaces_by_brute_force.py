@@ -418,6 +418,21 @@ def test_what_is_inside_a_shell_touches_where_it_is_close():
     )
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("gap", [0.0, -0.001, 0.01])
+def test_a_solid_without_a_depth_touches_as_a_shell(gap):
+    """A face alone, as the Build modifier begins with: a box lies on it."""
+    corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], dtype=np.float64)
+    triangles = np.array([(0, 1, 2), (0, 2, 3)])
+    box, place = Box((0.5, 0.5, 0.5)), pose((0.1, 0.2, 0.25 + gap))
+    solid, shell = (
+        query(Mesh(corners, triangles, sunk_in=depth), box, np.eye(4), place)
+        for depth in (SUNK_IN, 0.0)
+    )
+    for found, expected in zip(solid, shell, strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-9)
+
+
 def test_what_is_known_of_a_pair_has_the_bits_of_a_fresh_query():
     """Also after shapes were exchanged, of pairs in either order, of those that stay and of those
     that move."""
