@@ -13,6 +13,7 @@ from ...core.declaration import shown
 from ...core.scene.body import BODY_PART, BodyPart
 from ...core.scene.skeleton import Bone, PartPlace, partner, places
 from ...core.scene.values import Listener
+from ..blender.polling import receiving
 from ..scene_reader.collision_shapes import vertices_of
 
 # Positions of the parts of a standing body in its bounding box: from the middle to the side (left
@@ -99,7 +100,7 @@ def posed(armature: Object, bone: str, rest: Vector) -> Vector:
 def add_listener(part: BodyPart, name: str, collection: Collection) -> Object:
     """Add a listener as an empty, displayed as the bounding volume of the part."""
     empty = bpy.data.objects.new(name, None)
-    collection.objects.link(empty)
+    receiving(collection).objects.link(empty)
     empty.empty_display_type = "SPHERE"
     listener = empty.haptics.listener
     listener.enabled = True

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, ClassVar, NamedTuple
 
-from bpy.types import Context, Object, Operator
+import bpy
+from bpy.types import Collection, Context, Object, Operator
 
 from .words import TranslatedError, report_text
 
@@ -27,6 +28,13 @@ def is_editable(obj: Any) -> bool:
 def editable(objects: Iterable[Object]) -> list[Object]:
     """The objects that the user may edit."""
     return [obj for obj in objects if is_editable(obj)]
+
+
+def receiving(collection: Collection) -> Collection:
+    """The collection if Blender adds objects to it, else the scene's own, because it is linked or
+    overridden."""
+    own = bpy.context.scene.collection
+    return collection if collection.is_editable and not collection.override_library else own
 
 
 def linked_message(objects: Sequence[Object]) -> str:

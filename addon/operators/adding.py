@@ -12,7 +12,7 @@ from ...core.scene.materials import MATERIALS
 from ...sample_scenes import SAMPLES, build_sample, geometry
 from ..authoring import materials
 from ..blender.compatibility import animated_paths
-from ..blender.polling import Edit, OnActive
+from ..blender.polling import Edit, OnActive, receiving
 from ..blender.units import metres_per_unit
 from ..properties.kinds import choice
 from ..scene_reader import triggers
@@ -67,7 +67,7 @@ class HAPTIC_OT_add_source_object(Edit):
 
 def _link(context: Context, obj: Object) -> None:
     """Link an object to the active collection, and make it the active and only selected object."""
-    context.collection.objects.link(obj)
+    receiving(context.collection).objects.link(obj)
     for other in context.selected_objects:
         other.select_set(False)
     obj.select_set(True)

@@ -196,6 +196,49 @@ def test_the_instance_of_a_linked_collection_says_what_to_do(tmp_path: Path, ope
         getattr(bpy.ops.haptic, operator)()
 
 
+def _rig(path: Path, overridden: bool) -> Any:
+    """A linked collection with a listener, overridden or not, that is the active one, as after a
+    click in the Outliner."""
+    collection = bpy.data.collections.new("Rig")
+    listener = bpy.data.objects.new("hand.L", None)
+    listener.haptics.listener.enabled, listener.haptics.listener.body_part = True, "hand.L"
+    collection.objects.link(listener)
+    bpy.data.libraries.write(str(path), {collection})
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.collections = ["Rig"]
+    (rig,) = wanted.collections
+    scene, layer = bpy.context.scene, bpy.context.view_layer
+    if overridden:
+        rig = rig.override_hierarchy_create(scene, layer)
+    else:
+        scene.collection.children.link(rig)
+    layer.active_layer_collection = layer.layer_collection.children[rig.name]
+    assert bpy.context.collection == rig
+    return rig
+
+
+@pytest.mark.parametrize("overridden", [False, True])
+def test_what_is_added_stands_beside_a_collection_of_another_file(
+    tmp_path: Path, overridden: bool
+) -> None:
+    _rig(tmp_path / "library.blend", overridden)
+    bpy.ops.haptic.add_source_object(kind="SINE")
+    bpy.ops.haptic.add_medium()
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.haptic.add_default_listeners()
+    added = {"Shaker", "Air", "Cube hand.L", "Cube hand.R"}
+    assert added <= set(bpy.context.scene.collection.objects.keys())
+
+
+def test_a_mirrored_listener_stands_beside_the_collection_of_another_file(tmp_path: Path) -> None:
+    (listener,) = _rig(tmp_path / "library.blend", True).objects
+    listener.override_library.is_system_override = False
+    with bpy.context.temp_override(selected_objects=[listener]):
+        bpy.ops.haptic.mirror_listeners()
+    assert bpy.context.scene.collection.objects.keys() == ["hand.R"]
+
+
 def test_system_overrides_are_no_objects_to_edit(tmp_path: Path) -> None:
     _library(tmp_path / "library.blend")
     box, _ = _overridden(tmp_path / "library.blend")
