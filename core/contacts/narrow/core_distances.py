@@ -24,7 +24,7 @@ from .closed_forms import (
 from .convex import ConvexDistances, separations
 from .core_pairs import CorePairing, CorePairs
 from .cores import CoreTable, Kind, Size
-from .deepest import examine_deepest
+from .deepest import WITHIN, examine_deepest
 from .frames import relative, turned, turned_back
 from .separating_axes import AxisSeparation, box_to_box, box_to_triangle
 
@@ -156,7 +156,7 @@ class CoreDistances:
             found.append(self.by_fcl(chosen_of(rows, part)))
             return part, found[-1].distance - radius[part]
 
-        examine_deepest(rows.owner, bound - radius, least, examine)
+        examine_deepest(rows.owner, bound - radius, least, np.full(len(rows), WITHIN), examine)
         chosen = np.concatenate(numbers)
         order = chosen.argsort()
         return chosen[order], exact(chosen_of(joined(found), order))

@@ -22,6 +22,7 @@ def examine_deepest(
     group: IntArray,
     bound: FloatArray,
     least: FloatArray,
+    within: FloatArray,
     examine: Callable[[IntArray], tuple[IntArray, FloatArray]],
 ) -> None:
     """Hand the numbers of those parts (n,) to ``examine`` that may belong to the patch of their
@@ -31,6 +32,7 @@ def examine_deepest(
         group: (n,) number of the patch that each could belong to, from 0.
         bound: (n,) lower bounds on the signed distances of the parts [m].
         least: (n,) distance below which they count as this far apart [m].
+        within: (n,) farthest beyond the deepest part of its group at which each counts [m].
         examine: returns numbers of parts that are valid, and their distances [m].
     """
     found = np.full(int(group.max(initial=-1)) + 1, np.inf)
@@ -38,7 +40,7 @@ def examine_deepest(
     rank = np.arange(len(waiting)) - np.searchsorted(group[waiting], group[waiting])
     many = _FIRST
     while len(waiting):
-        limit = np.maximum(found[group[waiting]], least[waiting]) + WITHIN
+        limit = np.maximum(found[group[waiting]], least[waiting]) + within[waiting]
         counts = bound[waiting] <= limit
         asked = counts & ((rank < many) | np.isfinite(limit))
         for part in chunks(int(asked.sum())):

@@ -25,9 +25,10 @@ from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
 from .deepest import WITHIN, examine_deepest
 from .frames import chunks, cross, dot, smooth_step, turned_back
-from .manifold import ROUGHNESS, UNEVEN, Patches, patches
+from .manifold import ROUGHNESS, UNEVEN, Patches, patch_gap, patches, within_of
 from .surfaces import CoreSurface, SurfacePart, Surfaces
 from .triangles import (
+    areas,
     both_ways_apart,
     crossing_lines,
     facing_axes,
@@ -108,6 +109,15 @@ class _Faces:
             both_ways_apart(first, second, normal_a), both_ways_apart(first, second, -normal_b)
         )
         return cls(*numbers, first, second, normal_a, normal_b, turned, bound, behind)
+
+    def within(self) -> FloatArray:
+        """Metres (n,) beyond the deepest faces at which these can belong to the same patch, see
+        `CoreContacts.within`: a patch is no larger than either triangle, and the slope between both
+        in any plane at least that in the plane halfway between them."""
+        area = np.minimum(areas(self.first), areas(self.second))
+        cosine = -dot(self.normal_a, self.normal_b)
+        slope = 2 * np.sqrt(np.maximum(1 - cosine, 0.0) / (1 + cosine))
+        return 1.1 * np.maximum(within_of(area), patch_gap(slope))
 
 
 @frozen
@@ -503,7 +513,7 @@ class SurfacePairs:
             found.append(self._lying_on_each_other(several, faces, part))
             return found[-1][0].face, found[-1][0].depth
 
-        examine_deepest(way, faces.bound, -most[chosen][faces.pair], examine)
+        examine_deepest(way, faces.bound, -most[chosen][faces.pair], faces.within(), examine)
         lying = joined([faces for faces, _ in found])
         patch = joined([patch for _, patch in found])
         order = lying.face.argsort()

@@ -184,6 +184,12 @@ def unit_normals(corners: FloatArray) -> FloatArray:
     return normal / np.where(length > 0, length, 1.0)
 
 
+def areas(corners: FloatArray) -> FloatArray:
+    """Areas (n,) of triangles (3, 3, n) [m^2]."""
+    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(np.sqrt(dot(normal, normal)) / 2)
+
+
 def facing_axes(
     first: FloatArray, second: FloatArray, normal_a: FloatArray, normal_b: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
