@@ -278,7 +278,8 @@ def _why_empty(obj: Object) -> str:
             "its mesh is not in the library {}: use File > External Data > Find Missing Files"
         )
         return words.format(data.library.filepath)
-    if isinstance(data, Mesh) and len(data.vertices) > 0:
+    # In Edit Mode, that is the mesh before it.
+    if isinstance(data, Mesh) and len(data.vertices) > 0 and not data.is_editmode:
         return iface_("its modifiers leave no vertices of its mesh")
     return iface_("its mesh has no vertices")
 

@@ -112,6 +112,18 @@ def test_a_mesh_emptied_by_a_modifier_does_not_conduct_after_a_click_elsewhere(b
     assert contacts(scene) == 1
 
 
+def test_a_mesh_emptied_in_edit_mode_has_no_vertices(boxes, scene):
+    bpy.context.view_layer.objects.active = boxes[1]
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.delete(type="VERT")
+    bpy.context.view_layer.update()
+    assert contacts(scene) == 0
+    assert [problem.message for problem in session.problems_of(scene)] == [
+        "its mesh has no vertices"
+    ]
+
+
 def test_an_array_whose_offset_is_another_objects_place(boxes, scene):
     """A modifier without animation follows what it refers to."""
     away = bpy.data.objects.new("away", None)
