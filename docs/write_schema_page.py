@@ -103,10 +103,11 @@ def _range(least: int | None, most: int | None) -> str:
 
 def _bounds(value: dict[str, Any]) -> str:
     low, high = value.get("minimum", value.get("exclusiveMinimum")), value.get("maximum")
+    form = ",d" if value["type"] == "integer" else ",g"
     words = ""
     if low is not None:
-        words += f" {'above' if 'exclusiveMinimum' in value else 'from'} {low:,g}"
-    return words + (f" to {high:,g}" if high is not None else "")
+        words += f" {'above' if 'exclusiveMinimum' in value else 'from'} {low:{form}}"
+    return words + (f" to {high:{form}}" if high is not None else "")
 
 
 def _cell(text: str) -> str:

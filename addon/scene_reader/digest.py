@@ -27,6 +27,7 @@ from ..blender.units import metres_per_unit
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from .deformation import deformation_of, drives_others, influence_of
 from .drawings import mapping_of, points_of
+from .objects import read_layers
 from .plain_values import PLAIN_TYPES, TRANSFORM, checksum, plain, values_of, writable
 from .present import present_objects, traced_layer
 from .roles import is_tagged, regions_of
@@ -397,9 +398,18 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
         "pose": checksum(pose),
         "shape": _shape(obj) if is_tagged(obj) or body is not None else "",
         "animation": animation,
-        "physics": checksum(values_of(body, _BODY) if body is not None else []),
+        "physics": checksum(_body(obj)),
         "relations": checksum(relations),
     }
+
+
+def _body(obj: Object) -> list[Any]:
+    """The values of a rigid body, and its layers of collision if it is in others than the first,
+    which digests of earlier versions lack."""
+    if obj.rigid_body is None:
+        return []
+    layers = read_layers(obj, 1)
+    return values_of(obj.rigid_body, _BODY) + ([] if layers == 1 else [layers])
 
 
 def _effective_values(item: Any, prefix: str, animated: Collection[str]) -> list[Any]:

@@ -9,7 +9,7 @@ from bpy.types import Object, Scene
 from ...core.contacts.settings import Motion
 from ...core.declaration import Curve
 from ...core.scene.materials import named_in
-from ...core.scene.values import HapticObject, Listener, Source, SourceKind
+from ...core.scene.values import ALL_LAYERS, HapticObject, Listener, Source, SourceKind
 from ...core.signals import impact_material
 from ..blender.full_names import object_meant, object_named
 from ..blender.single_precision import shortest
@@ -33,6 +33,7 @@ def read_object(obj: Object, scene: Scene) -> HapticObject:
         "pose": None,
         "mass": stored.get("mass") if obj.rigid_body is None else mass_of(obj, scene),
         "motion": read_motion(obj, stored.get("motion")),
+        "layers": read_layers(obj, stored.get("layers", ALL_LAYERS)),
         "impact_material": read_impact_material(obj) or stored.get("impact_material", ""),
         "material": haptics.material.name,
     }
@@ -110,6 +111,15 @@ def read_impact_material(obj: Object) -> str | None:
     unknown."""
     material = named_in(obj.haptics.material.name)
     return None if material is None else impact_material(material.name)
+
+
+def read_layers(obj: Object, imported: int) -> int:
+    """The layers of collision of a rigid body, as bits: its collision collections in Blender. An
+    object without one has those of its ``imported`` file."""
+    body = obj.rigid_body
+    if body is None:
+        return imported
+    return sum(1 << k for k, is_in in enumerate(body.collision_collections) if is_in)
 
 
 def read_motion(obj: Object, imported: Motion | None) -> Motion:

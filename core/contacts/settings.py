@@ -9,7 +9,7 @@ from ..frozen import frozen
 from ..scene.rules import ContactSettings as ContactSettings
 from ..scene.rules import ImpactEnergy as ImpactEnergy
 from ..scene.rules import Motion as Motion
-from ..scene.values import HapticObject
+from ..scene.values import ALL_LAYERS, HapticObject
 from .shapes import Shape
 
 
@@ -17,7 +17,7 @@ from .shapes import Shape
 class Body:
     """An object for the tracker. ``mass`` in kg, None if it has none. ``medium``: a volume (air,
     water) that touches what it overlaps; a mesh then stands for its hull. ``material``: its name in
-    tables of rules."""
+    tables of rules. ``layers``: of collision, as bits."""
 
     name: str
     shape: Shape
@@ -25,11 +25,18 @@ class Body:
     motion: Motion = Motion.DYNAMIC
     medium: bool = False
     material: str = ""
+    layers: int = ALL_LAYERS
 
     @classmethod
     def of(cls, item: HapticObject, shape: Shape) -> Body:
         """A haptic object with the shape that it has now."""
-        return cls(item.name, shape, item.mass, item.motion, item.medium, item.material)
+        named = item.name, shape, item.mass, item.motion, item.medium, item.material
+        return cls(*named, item.layers)
+
+    def strikes(self, other: Body) -> bool:
+        """Whether contacts of the two may be impacts, or slide: to enter a medium is not to hit it,
+        and bodies without a common layer pass through each other."""
+        return not (self.medium or other.medium) and bool(self.layers & other.layers)
 
     @property
     def named(self) -> tuple[str, str]:

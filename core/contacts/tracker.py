@@ -294,9 +294,8 @@ class ContactTracker:
             extents[..., rows] = np.maximum(extents[..., rows], other)
         self._near.widen(table, self._history, extents, moved)
         a, b = self._near.larger, self._near.smaller
-        # To enter a medium is not to hit it.
-        solid = ~(table.medium[a] | table.medium[b])
-        able = solid & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= self._striking.least)
+        collide = (table.layers[a] & table.layers[b]) > 0
+        able = collide & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= self._striking.least)
         return HitSearch(self.settings, table, poses, self._near, paths, able.nonzero()[0])
 
     def _examine_last_frame(self, rows: IntArray) -> bool:

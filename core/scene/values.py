@@ -206,6 +206,10 @@ MOTIONS = {
 }
 
 
+ALL_LAYERS = 2**20 - 1
+"""Layers of collision of an object that collides with all others."""
+
+
 @frozen
 class HapticObject:
     """An object that transmits haptic signals. ``shape``: see `core.contacts.shapes`.
@@ -236,6 +240,15 @@ class HapticObject:
     )
     extras: Form = extras()
     motion: Motion = choice(Motion.DYNAMIC, "", "What moves the object", MOTIONS)
+    layers: int = number(
+        ALL_LAYERS,
+        "",
+        "Layers of collision, as the sum of 1, 2, 4 and so on: objects without a common one pass "
+        "through each other without impacts, sliding or rolling; default all",
+        0,
+        ALL_LAYERS,
+        whole=True,
+    )
     impact_material: str = part(
         "", "impact_material", "Material of the signal of the object's impacts; empty: unknown"
     )

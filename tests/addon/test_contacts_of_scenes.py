@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session, sessions
+from haptic_tracing.core.formats.scene.scene_json import read_scene
 
 _spec = importlib.util.spec_from_file_location(
     "recording_layout", Path(__file__).with_name("recording_layout.py")
@@ -177,6 +178,21 @@ def test_a_simulated_fall_hits_with_its_potential_energy(drop, scene, rate, grav
     assert first.energy == pytest.approx(10 * gravity * 2.0, rel=0.03)
     # Blender's simulation begins in the first interval, by a part of a substep.
     assert first.time == pytest.approx(fall, abs=0.002 + 1 / rate / 40)
+
+
+@pytest.mark.parametrize("own", [[0], [3], [3, 0]])
+def test_bodies_without_a_common_collision_collection_make_no_blow(drop, scene, tmp_path, own):
+    """As Blender's simulation has it, in which they fall through each other."""
+    drop.rigid_body.collision_collections = [k in own for k in range(20)]
+    blows = played(scene, range(1, 26))
+    passes = drop.matrix_world.translation.z < -0.5
+    assert passes == (0 not in own)
+    assert len(blows) == (0 if passes else 1)
+    assert passes or len(session.result_of(scene).contacts.pairs)
+    path = tmp_path / "scene.json"
+    bpy.ops.export_scene.haptic_scene(filepath=str(path))
+    of_file = {item.name: item.layers for item in read_scene(path).objects}
+    assert of_file == {"box": sum(1 << k for k in own), "floor": 1}
 
 
 def test_jumps_rate_changes_and_subframes_make_no_impacts(drop, scene):

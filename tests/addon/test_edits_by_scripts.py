@@ -84,6 +84,9 @@ def test_a_rigid_body_counts_from_the_next_frame_on_until_it_is_removed(scene, a
     assert read().motion is Motion.STATIC
     box.rigid_body.mass = 3
     assert read().mass == 3
+    assert read().layers == 1
+    box.rigid_body.collision_collections = [k < 3 for k in range(20)]
+    assert read().layers == 0b111
     box.rigid_body.kinematic = True
     assert read().motion is Motion.KINEMATIC
     bpy.ops.rigidbody.object_remove()

@@ -43,12 +43,12 @@ def placed(position, rotation=None):
     return matrix
 
 
-def play(settings, shape, poses, mass=20.0, floor=None, first=0, lazy=False):
+def play(settings, shape, poses, mass=20.0, floor=None, first=0, lazy=False, layers=1):
     """Trace a body of this shape through ``poses`` on a floor whose upper side is at z = 0; a
     listener is on the body."""
     bodies = (
-        Body("crate", shape, mass, material="Softwood"),
-        Body("floor", Box((60, 60, 1)), None, Motion.STATIC, material="Concrete"),
+        Body("crate", shape, mass, material="Softwood", layers=layers),
+        Body("floor", Box((60, 60, 1)), None, Motion.STATIC, material="Concrete", layers=5),
     )
     objects = tuple(HapticObject(body.name, 0.1, 0.9) for body in bodies)
     tracer = Tracer(settings, lazy=lazy)
@@ -137,6 +137,15 @@ def test_what_rolls_without_slipping_does_not_slide_and_has_its_speed_over_perio
     assert fundamental(samples(results)[4000:]) == pytest.approx(150.0, abs=0.4)
     slipping = play(everywhere(texture), Sphere(RADIUS), rolled(1.5, 20, RADIUS, slip=0.5))
     assert strongest(slipping, "sliding") > 0 and strongest(slipping, "rolling") > 0
+
+
+def test_what_shares_no_layer_of_collision_passes_without_sliding():
+    path = slid(straight(1.0, 12))
+    texture = everywhere(Texture(0.01, noise=0.0, full_force=1.0, full_speed=1e-3))
+    for layers, slides in ((1, True), (2, False), (6, True)):
+        results = play(texture, Box((EDGE,) * 3), path, layers=layers)
+        assert len(results[-1].contacts.pairs) == 1
+        assert (strongest(results, "sliding") > 0) == slides
 
 
 def test_what_is_carried_along_neither_slides_nor_rolls():
