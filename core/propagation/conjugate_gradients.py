@@ -133,7 +133,7 @@ def solve(
     count, systems, columns = power.shape
     if count == 0:
         return Balanced(power, power, power, np.zeros((systems, columns)))
-    if count < FEW and systems * count**3 < CUBES and (found := _inverted(balance, power)):
+    if is_small(balance) and (found := _inverted(balance, power)):
         return found
     matrix = _Matrix(balance)
     place, scale = matrix.place, matrix.scale[:, :, None]
@@ -163,6 +163,12 @@ def solve(
         (rounding / scale)[place],
         np.sqrt(summed(square[: matrix.kept])) + np.sqrt(summed(square[matrix.kept :])),
     )
+
+
+def is_small(balance: PowerBalance) -> bool:
+    """Whether the matrix is inverted."""
+    systems, count = balance.damping.shape
+    return bool(count < FEW and systems * count**3 < CUBES)
 
 
 def _inverted(balance: PowerBalance, power: FloatArray) -> Balanced | None:

@@ -29,8 +29,9 @@ from ..arrays import BoolArray, FloatArray, IntArray, added_by, connected, range
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph, lengths
 from ..scene.bands import BAND_COUNT
-from .conjugate_gradients import EPSILON, PowerBalance, solve, summed
+from .conjugate_gradients import EPSILON, PowerBalance, is_small, solve, summed
 from .connections import band_factors, lanes_of
+from .neighbourhood import Near, near
 from .subsystems import subsystems
 
 PRECISE = 4e-3
@@ -42,6 +43,10 @@ INAUDIBLE = 1e-12
 OWN, OWN_IN_BANDS = 0.06, 0.2
 """Bounds at which an object's energy under power of its own is exact enough: their squares bound
 its error. No error is given for bands."""
+
+LARGE = 6_500
+"""From so many unknown energies under power of observed nodes on, these are sought in their
+neighbourhoods."""
 
 SAFETY = 2.0
 """How much more exact the energies are of which a squared gain is made."""
@@ -180,6 +185,7 @@ class _Assembly:
         self._balance = self._equations()
         self._ends = self._attached()
         self._inputs, self._column = self._powers()
+        self._columns = 1 + int(max(self._driven - 1, self._column.max(initial=0)))
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
         """Squares (lanes, n) of the gains of objects over distances; gains above 1 count as 1."""
@@ -404,9 +410,12 @@ class _Assembly:
         """Squared gains (lanes, d, o), bounds (d, o) on the errors of lane 0, and the number of
         subsystems."""
         ends, driven = self._ends, self._driven
+        nearby = self._near()
+        columns = self._columns - nearby.own.shape[1]
         row, region, part = self._inputs
+        everywhere = row < columns
+        row, region, part = row[everywhere], region[everywhere], part[:, everywhere]
         column = self._column[driven:]
-        columns = max(driven, int(column.max(initial=0)) + 1)
         power = np.zeros((len(self._parts.mass), self._lanes, columns))
         power[region, :, row] = part.T
         first = int(ends.size[:driven].sum())
@@ -426,27 +435,40 @@ class _Assembly:
             """Bounds (lanes, 1, o) on the errors of energies under power of the observed nodes."""
             return np.where(has_column, bound[:, column], np.sqrt(most))[:, None]
 
+        def every(first: FloatArray, second: FloatArray) -> FloatArray:
+            return np.concatenate([first, second], axis=1)
+
         def good_enough(energy: FloatArray, bound: FloatArray) -> FloatArray:
             own = added_by(row, part * energy[region, :, row].T, columns)
-            allowed = np.maximum(PRECISE * level(across(energy), own), INAUDIBLE)
+            squares = level(across(energy), every(own, nearby.own))
+            allowed = np.maximum(PRECISE * squares, INAUDIBLE)
             goal = np.full(own.shape, OWN)
             goal[1:] = OWN_IN_BANDS
-            least = np.maximum(SAFETY * through * reception(np.minimum(bound, goal)), UNDERFLOW)
+            known = reception(every(np.minimum(bound, goal), nearby.bound))
+            least = np.maximum(SAFETY * through * known, UNDERFLOW)
             goal[:, :driven] = (allowed / least).min(axis=2, initial=OWN)
             return goal
 
         found = solve(self._balance, power, good_enough)
-        own = summed((power + found.residual) * found.energy)
+        own = every(summed((power + found.residual) * found.energy), nearby.own)
         own_error = found.bound[0] ** 2 + summed(found.rounding[:, 0] * found.energy[:, 0])
+        own_error = np.concatenate([own_error, nearby.doubt[0]])
+        bound = every(found.bound, nearby.bound)
+        where: slice | IntArray = slice(None)
+        observed = found.energy[:, :, driven:]
+        if len(nearby.where):
+            where, observed = nearby.where, nearby.energy
         # What the residuals add, to first order: those of a node's energies under power at another.
-        of_observed = _beside(found.energy[:, :, column])
+        taking = np.flatnonzero(has_column)
+        of_observed = _beside(observed[:, :, column[taking] - driven])
+        between = across(found.energy)
         rest, rounding = (
-            np.einsum("kdn,kon->kdo", _beside(part[:, :, :driven]), of_observed)
+            np.einsum("kdn,kon->kdo", _beside(part[where, :, :driven]), of_observed)
             for part in (found.residual, found.rounding)
         )
-        between = across(found.energy) + np.where(has_column, rest, 0.0)
-        error = found.bound[0, :driven, None] * reception(found.bound)[0]
-        error += np.where(has_column, rounding[0], 0.0)
+        between[:, :, taking] += rest
+        error = bound[0, :driven, None] * reception(bound)[0]
+        error[:, taking] += rounding[0]
         squares = level(between, own)
         highest, lowest = (
             level(between[:1] + sign * error, own[:1] - sign * own_error)[0] for sign in (1.0, -1.0)
@@ -454,6 +476,21 @@ class _Assembly:
         doubt = np.maximum(highest - squares[0], squares[0] - lowest)
         doubt += np.where(through[0] > 0, EPSILON * squares[0], 0.0)
         return squares, doubt * self._connected, len(self._parts.mass)
+
+    def _near(self) -> Near:
+        """The energies under power of the observed nodes from their neighbourhoods, or nothing if
+        that is not exact enough or does not pay."""
+        row, region, part = self._inputs
+        observed = row >= self._driven
+        goal = np.full((self._lanes, self._columns - self._driven), OWN_IN_BANDS)
+        goal[0] = OWN
+        if goal.size * len(self._parts.mass) >= LARGE and not is_small(self._balance):
+            inputs = row[observed] - self._driven, region[observed], part[:, observed]
+            found = near(self._balance, inputs, goal)
+            if (found.doubt <= goal**2).all():
+                return found
+        none = goal[:, :0]
+        return Near(row[:0], none[None], none, none, none)
 
     def _levels(self) -> Callable[[FloatArray, FloatArray], FloatArray]:
         """Squared gains (lanes, d, o) by energies: those (lanes, d, o) from node to node, and those

@@ -14,10 +14,12 @@ from haptic_tracing.core.graph.haptic_graph import ObjectTable, graph_of_scene
 from haptic_tracing.core.propagation import (
     conjugate_gradients,
     energy_balance,
+    neighbourhood,
     propagate,
     subsystems,
 )
 from haptic_tracing.core.propagation.conjugate_gradients import PowerBalance, solve
+from haptic_tracing.core.propagation.neighbourhood import near
 from haptic_tracing.core.scene.functions import Constant, Exponential, Expression, Identity, Linear
 from haptic_tracing.core.scene.measured import physical
 from haptic_tracing.core.scene.values import (
@@ -40,13 +42,18 @@ ORIGIN = (0.0, 0.0, 0.0)
 LEAST = 0.005
 """What every object takes up beside its losses."""
 
-WAYS = {"inverted": {}, "iterated": {"FEW": 0}, "eliminated": {"FEW": 0, "WORTHWHILE": 0}}
+WAYS = {
+    "inverted": {},
+    "iterated": {"FEW": 0},
+    "eliminated": {"FEW": 0, "WORTHWHILE": 0},
+    "near": {"FEW": 0, "LARGE": 1},
+}
 """Ways to solve the equations of few subsystems, by the settings that choose them."""
 
 
 def choose(way: str, patch: pytest.MonkeyPatch) -> None:
     for name, value in WAYS[way].items():
-        patch.setattr(conjugate_gradients, name, value)
+        patch.setattr(energy_balance if name == "LARGE" else conjugate_gradients, name, value)
 
 
 def gain(scene: HapticScene) -> float:
@@ -272,6 +279,52 @@ def test_energies_within_their_bound(seed, count, strongest, wanted, dense, way)
         )
         assert np.all(energy.max(axis=1) <= 1 + doubt)
         assert np.all(np.abs(energy - energy.T) <= doubt[:, None] + doubt + 1e-14)
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(SEEDS, st.floats(0.01, 100), st.integers(0, 2), st.booleans())
+def test_energies_of_a_neighbourhood_within_their_bound(seed, strongest, rings, dense):
+    """Against LAPACK, under powers at one subsystem and at several; also where the neighbourhood
+    holds a part of the subsystems whose couplings are a matrix."""
+    random = np.random.default_rng(seed)
+    count = 40
+    some = random.uniform(size=(count, count)) < 0.08
+    matrix = np.triu(random.uniform(0, strongest, (count, count)) * some, 1)
+    part = slice(15, 30)
+    if dense:
+        matrix[part, part] = np.triu(random.uniform(0, 0.1, (15, 15)), 1)
+    matrix += matrix.T
+    sparse = matrix.copy()
+    if dense:
+        sparse[part, part] = 0.0
+    row, column = np.nonzero(sparse)
+    factors = np.array([1.0, 0.5])
+    damping = random.uniform(0.1, 5, (2, count))
+    leak = random.uniform(0, 1, (2, count)) * (random.uniform(size=count) < 0.2)
+    balance = PowerBalance(
+        damping,
+        leak,
+        row,
+        column,
+        factors[:, None] * sparse[row, column],
+        [(15, factors[:, None, None] * matrix[part, part])] if dense else [],
+    )
+    number, region = np.array([0, 1, 1, 2]), np.array([3, 7, 20, 16])
+    size = random.uniform(0.1, 1, (2, 4))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(neighbourhood, "RINGS", rings)
+        found = near(balance, (number, region, size), np.full((2, 3), 1e-9))
+    power, energy = np.zeros((2, 2, count, 3))
+    for system, factor in enumerate(factors):
+        full = np.diag(damping[system] + leak[system] + factor * matrix.sum(axis=1))
+        full -= factor * matrix
+        power[system][region, number] = size[system]
+        energy[system][found.where] = found.energy[:, system]
+        exact = np.linalg.solve(full, power[system])
+        own = (power[system] * exact).sum(axis=0)
+        assert np.all(np.abs(found.own[system] - own) <= found.doubt[system] + 1e-14)
+        error = exact - energy[system]
+        assert np.all((error * (full @ error)).sum(axis=0) <= found.bound[system] ** 2 + 1e-14)
 
 
 @pytest.mark.parametrize("way", WAYS)
