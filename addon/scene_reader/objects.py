@@ -114,11 +114,16 @@ def read_impact_material(obj: Object) -> str | None:
 
 
 def read_layers(obj: Object, imported: int) -> int:
-    """The layers of collision of a rigid body, as bits: its collision collections in Blender. An
-    object without one has those of its ``imported`` file."""
+    """The layers of collision of a rigid body, as bits: its collision collections in Blender; none
+    of a part of a haptic compound, which strikes for it. An object without one has those of its
+    ``imported`` file."""
     body = obj.rigid_body
     if body is None:
         return imported
+    above = obj.parent
+    whole = above.rigid_body if above is not None and above.haptics.enabled else None
+    if whole is not None and whole.collision_shape == "COMPOUND":
+        return 0
     return sum(1 << k for k, is_in in enumerate(body.collision_collections) if is_in)
 
 

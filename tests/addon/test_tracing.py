@@ -251,6 +251,28 @@ def test_a_dropped_crate_makes_one_impact_of_its_energy(add_box, add_empty, scen
     assert impacts[0].time == pytest.approx(math.sqrt(2 * 1.0 / 9.81), abs=0.05)
 
 
+def test_a_dropped_compound_makes_one_impact_whatever_of_it_is_haptic(add_box, add_empty, scene):
+    """Its parts move as one and with its mass: two crates on an empty mesh's place."""
+    add_box("floor", (0, 0, -0.5), (10, 10, 1), body="PASSIVE")
+    whole = add_box("whole", (0, 0, 3), (0.5, 0.5, 0.5), body="ACTIVE", mass=10)
+    for x in (-1, 1):
+        part = add_box("part", (x, 0, 3), (1, 1, 1), body="ACTIVE", mass=5)
+        part.parent, part.matrix_parent_inverse = whole, whole.matrix_world.inverted()
+    whole.rigid_body.collision_shape = "COMPOUND"
+    add_empty("hand.L", parent=whole).haptics.listener.enabled = True
+    impacts = []
+    for frame in range(1, 35):
+        scene.frame_set(frame)
+        result = session.result_of(scene)
+        impacts += [
+            (impact.energy, {result.objects[k] for k in impact.objects})
+            for impact in result.impacts
+        ]
+    ((energy, bodies),) = impacts
+    assert bodies == {"whole", "floor"}
+    assert energy == pytest.approx(10 * 9.81 * 2.5, rel=0.05)
+
+
 def test_the_command_line_finds_the_same_gains_in_the_export(
     seesaw, traced, tmp_path: Path, capsys
 ):
