@@ -69,11 +69,13 @@ def connected(pairs: IntArray, count: int) -> IntArray:
     """For each of ``count`` vertices the lowest number in its connected component; ``pairs`` (k, 2)
     are the edges."""
     label = np.arange(count)
-    while (label[pairs[:, 0]] != label[pairs[:, 1]]).any():
-        joined = label[pairs]
-        np.minimum.at(label, joined.reshape(-1), joined.min(axis=1).repeat(2))
-        while (label[label] != label).any():
-            label = label[label]
+    one, other = pairs.T
+    while ((a := label.take(one)) != (b := label.take(other))).any():
+        lower = np.minimum(a, b)
+        np.minimum.at(label, a, lower)
+        np.minimum.at(label, b, lower)
+        while ((further := label.take(label)) != label).any():
+            label = further
     return label
 
 

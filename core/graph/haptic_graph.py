@@ -349,8 +349,10 @@ class HapticGraph:
     def nodes_of_contacts(self) -> IntArray:
         """The two nodes of each contact (c, 2), that of the lower number first."""
         first = np.flatnonzero(self.partner > np.arange(self.node_count))
+        contact = self.contact.take(first)
         nodes = np.empty((self.contact_count, 2), dtype=np.int64)
-        nodes[self.contact[first]] = np.column_stack([first, self.partner[first]])
+        nodes[contact, 0] = first
+        nodes[contact, 1] = self.partner.take(first)
         return nodes
 
     def node_distances(self, a: IntArray, b: IntArray) -> FloatArray:

@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field
+from functools import cached_property
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from ..frozen import frozen
 ITERATIONS = 2000
 """Most iterations."""
 
-FIRST_CHECK, CHECKED = 4, 4
+FIRST_CHECK, CHECKED = 8, 4
 """Iterations before the first evaluation of the error, and between two evaluations."""
 
 FEW, CUBES = 100, 2_400_000
@@ -42,7 +43,7 @@ INVERTED = 1e-7
 """Largest bound after that; with a larger one the equations are iterated. It adds 1e-14 to a
 squared gain."""
 
-WORTHWHILE, ROUNDS = 2048, 4
+WORTHWHILE, ROUNDS = 4096, 4
 """Number of couplings, in all systems together, from which on subsystems are eliminated; and of
 passes over the subsystems in which those to eliminate are chosen."""
 
@@ -137,7 +138,7 @@ def solve(
         return found
     matrix = _Matrix(balance)
     place, scale = matrix.place, matrix.scale[:, :, None]
-    scaled = power[matrix.order] * scale
+    scaled = power.take(matrix.order, axis=0) * scale
     together = max(1, TOGETHER // (matrix.products * columns))
     groups = [
         _Iteration(matrix, scaled, slice(first, min(first + together, systems)))
@@ -151,16 +152,16 @@ def solve(
         done += steps
         energy = _joined([group.found for group in groups])
         bound = np.concatenate([group.bound for group in groups])
-        wanted = good_enough((energy * scale)[place], bound)
+        wanted = good_enough((energy * scale).take(place, axis=0), bound)
         left = [group.close(wanted[group.systems]) for group in groups]
     energy = np.maximum(energy, 0.0)
     residual = scaled - _joined([group.lost(energy) for group in groups])
     rounding = EPSILON * (2 * energy + scaled)
     square = (np.abs(residual) + rounding) ** 2 * matrix.decay[:, :, None]
     return Balanced(
-        (energy * scale)[place],
-        (residual / scale)[place],
-        (rounding / scale)[place],
+        (energy * scale).take(place, axis=0),
+        (residual / scale).take(place, axis=0),
+        (rounding / scale).take(place, axis=0),
         np.sqrt(summed(square[: matrix.kept])) + np.sqrt(summed(square[matrix.kept :])),
     )
 
@@ -307,14 +308,17 @@ class _Factors:
 
     Attributes:
         rows, eliminated: values (w, m, c) of the rows that are kept and of the others.
-        runs: of columns of the same system, and its number.
     """
 
     def __init__(self, rows: FloatArray, eliminated: FloatArray, system: IntArray) -> None:
         self.rows, self.eliminated, self._system = rows, eliminated, system
-        begin, size = runs(system)
-        self.runs = [
-            (slice(first, first + count), int(system[first]))
+
+    @cached_property
+    def runs(self) -> list[tuple[slice, int]]:
+        """Runs of columns of the same system, and its number."""
+        begin, size = runs(self._system)
+        return [
+            (slice(first, first + count), int(self._system[first]))
             for first, count in zip(begin.tolist(), size.tolist(), strict=True)
         ]
 
@@ -350,8 +354,9 @@ class _Matrix:
         self.place = np.empty_like(self.order)
         self.place[self.order] = np.arange(len(self.order))
         scale = np.sqrt(1.0 / balance.diagonal)
-        value = balance.coupling * scale[:, balance.row] * scale[:, balance.column]
-        row, column = self.place[balance.row], self.place[balance.column]
+        value = balance.coupling * scale.take(balance.row, axis=1)
+        value *= scale.take(balance.column, axis=1)
+        row, column = self.place.take(balance.row), self.place.take(balance.column)
         inside = row < self.kept
         self._rows = _Rows(row[inside], column[inside], value[:, inside], self.kept)
         self._eliminated = None

@@ -227,9 +227,9 @@ class _Assembly:
         order = np.argsort(
             row.astype(np.min_scalar_type(len(parts.mass))), kind="stable"
         )  # short numbers are sorted in linear time
-        row = row[order]
-        column = column[order]
-        coupling = coupling[:, order]
+        row = row.take(order)
+        column = column.take(order)
+        coupling = coupling.take(order, axis=1)
         count = len(parts.mass)
         leak = np.zeros((self._lanes, count))
         if not self._passes.all():
@@ -243,16 +243,20 @@ class _Assembly:
         """Couplings by contacts: subsystems on either side, and values (lanes, c)."""
         parts, nodes = self._parts, self._contacts
         begin, count = runs(parts.node)
-        of_node = np.zeros((2, self._graph.node_count), dtype=np.int64)
-        of_node[:, parts.node[begin]] = begin, count
-        first, size = of_node[:, nodes]
-        pairs = size.prod(axis=1)
+        first, size = np.zeros((2, self._graph.node_count), dtype=np.int64)
+        node = parts.node.take(begin)
+        first[node], size[node] = begin, count
+        one, other = nodes.T
+        size, wide = size.take(one), size.take(other)
+        pairs = size * wide
         which = np.arange(len(nodes)).repeat(pairs)
         number = ranges(np.zeros_like(pairs), pairs)
-        a = first[which, 0] + number // size[which, 1]
-        b = first[which, 1] + number % size[which, 1]
-        value = self._contact_squares(nodes[:, 0])[:, which] * (parts.weight[a] * parts.weight[b])
-        return parts.region[a], parts.region[b], value
+        wide = wide.take(which)
+        a = first.take(one).take(which) + number // wide
+        b = first.take(other).take(which) + number % wide
+        value = self._contact_squares(one).take(which, axis=1)
+        value *= parts.weight.take(a) * parts.weight.take(b)
+        return parts.region.take(a), parts.region.take(b), value
 
     def _region_couplings(
         self,
@@ -422,18 +426,19 @@ class _Assembly:
         number, heard = ends.node[first:] - driven, ends.region[first:]
         weight = ends.distribution[:, first:]
         # Of nodes without a column: the most that their energy is under unit power of their own.
-        most = added_by(number, weight**2 / self._balance.damping[:, heard], len(column))
+        most = added_by(number, weight**2 / self._balance.damping.take(heard, axis=1), len(column))
+        most = np.sqrt(most)
         has_column = column > 0
         level = self._levels()
         through = ends.through[:, :driven, None] * ends.through[:, None, driven:]
 
         def across(energy: FloatArray) -> FloatArray:
-            arriving = energy[heard, :, :driven].transpose(1, 2, 0) * weight[:, None]
+            arriving = energy.take(heard, axis=0)[..., :driven].transpose(1, 2, 0) * weight[:, None]
             return added_by(number, arriving, len(column))
 
         def reception(bound: FloatArray) -> FloatArray:
             """Bounds (lanes, 1, o) on the errors of energies under power of the observed nodes."""
-            return np.where(has_column, bound[:, column], np.sqrt(most))[:, None]
+            return np.where(has_column, bound.take(column, axis=1), most)[:, None]
 
         def every(first: FloatArray, second: FloatArray) -> FloatArray:
             return np.concatenate([first, second], axis=1)
@@ -503,10 +508,11 @@ class _Assembly:
 
         def level(across: FloatArray, own: FloatArray) -> FloatArray:
             across = np.maximum(across, 0.0)
-            kept = 1.0 + ends.uptake * np.maximum(own, 0.0)[:, column]
+            kept = 1.0 + ends.uptake * np.maximum(own, 0.0).take(column, axis=1)
             lost = kept[:, :driven, None] * kept[:, None, driven:]
             lost += across * (either - both * across)
-            return np.clip(through * across / np.maximum(lost, 1.0) + direct, 0.0, 1.0)
+            arriving = through * across / np.maximum(lost, 1.0) + direct
+            return np.minimum(np.maximum(arriving, 0.0), 1.0)
 
         return level
 

@@ -94,7 +94,7 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     begin, size = runs(object_of)
     used = object_of[begin]
     slot = np.arange(len(begin)).repeat(size)
-    strength = graph.weight[graph.contact[nodes]]
+    strength = graph.weight.take(graph.contact.take(nodes))
     position = graph.node_position.T.take(nodes, axis=1)
     on_object = _on_objects(graph, position, object_of)
     which, region, weight, of_object, divided, uptake = _attached(
