@@ -42,8 +42,7 @@ class Instances:
         everything = depsgraph.object_instances
         if not np.array_equal(read_array(everything, "persistent_id", 8, np.int32), self.identity):
             return None
-        matrices = read_array(everything, "matrix_world", 16)[self.places]
-        return in_metres(matrices, metres_per_unit(depsgraph.scene))
+        return all_matrices(depsgraph)[self.places]
 
 
 NONE = Instances(
@@ -53,20 +52,24 @@ NONE = Instances(
 
 class HapticInstance(NamedTuple):
     """A haptic instance: its ``place`` among all, its name, the object ``owner`` whose properties
-    it has, its instancer, the evaluated object that it shows, which is valid until the next one is
-    found, and its world matrix (16,), column by column."""
+    it has, its instancer, and the evaluated object that it shows, which is valid until the next one
+    is found."""
 
     place: int
     name: str
     owner: Object
     instancer: Object
     shown: Object
-    matrix: NDArray[np.float32]
+
+
+def all_matrices(depsgraph: Depsgraph) -> NDArray[np.float32]:
+    """World matrices (m, 16) of all instances of a depsgraph in metres, column by column."""
+    matrices = read_array(depsgraph.object_instances, "matrix_world", 16)
+    return in_metres(matrices, metres_per_unit(depsgraph.scene))
 
 
 def haptic_instances(depsgraph: Depsgraph) -> Iterator[HapticInstance]:
     """The haptic instances, one after the other."""
-    metres = metres_per_unit(depsgraph.scene)
     for place, instance in enumerate(depsgraph.object_instances):
         if not instance.is_instance or instance.parent is None or instance.object is None:
             continue
@@ -78,9 +81,7 @@ def haptic_instances(depsgraph: Depsgraph) -> Iterator[HapticInstance]:
         if owner is not None:
             number = ".".join(str(k) for k in reversed(instance.persistent_id) if k != _UNUSED)
             name = f"{instancer.name_full}: {shown.name_full} {number}"
-            matrix = np.array(instance.matrix_world, dtype=np.float32).T.reshape(1, 16)
-            placed = in_metres(matrix, metres)[0]
-            yield HapticInstance(place, name, owner, instancer, instance.object, placed)
+            yield HapticInstance(place, name, owner, instancer, instance.object)
 
 
 def counts(obj: Object) -> bool:

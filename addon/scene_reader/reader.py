@@ -41,7 +41,7 @@ from .collision_shapes import (
 from .evaluation import Evaluation
 from .imported import near, stored_item
 from .imported_contacts import ImportedContacts
-from .instances import NONE, Instances, haptic_instances, instanced_in_vain
+from .instances import NONE, Instances, all_matrices, haptic_instances, instanced_in_vain
 from .objects import read_listener, read_object, read_source
 from .parented import ParentedPoses
 from .present import present_and_disabled
@@ -130,7 +130,7 @@ class SceneReader:
             objects is None
             or not objects <= self._rows.keys()
             or self._is_triggered
-            or self._instances is not NONE
+            or not objects.isdisjoint(self._instances.instancers | self._instances.shown)
         ):
             self.forget()
         else:
@@ -377,12 +377,14 @@ class SceneReader:
         objects: dict[int, HapticObject] = {}
         shapes: dict[tuple[Any, ...], SurfaceShape] = {}
         problems: dict[Problem, None] = {}
+        raw = all_matrices(depsgraph)
+        stretches = _rounded(rigid_transforms(raw)[1]) if len(raw) else raw
         for found in haptic_instances(depsgraph):
             owner, name = found.owner, found.name
             instancers.add(found.instancer.session_uid)
             if found.shown.original is not None and found.shown.original != found.instancer:
                 shown.add(found.shown.original.session_uid)
-            stretch = self._stretch(-1, rigid_transforms(found.matrix[None])[1][0])
+            stretch = stretches[found.place]
             data = 0 if found.shown.data is None else found.shown.data.as_pointer()
             if np.isnan(stretch).any():
                 problems[_lost(owner)] = None
@@ -406,7 +408,7 @@ class SceneReader:
                 row, (), tuple(stretch.tolist()), item, body, None, None, None, None, ()
             )
             places.append(found.place)
-            matrices.append(found.matrix)
+            matrices.append(raw[found.place])
         self._problems_of_instances = tuple(problems)
         self._instances = NONE
         if instancers:
@@ -667,7 +669,7 @@ class SceneReader:
     def _stretch(self, row: int, stretch: FloatArray) -> FloatArray:
         """The object's stretch in the world to six digits; the known one if only rounding differs,
         so that a rotating object keeps its shape."""
-        stretch = np.array([float(f"{part:.6g}") for part in stretch.tolist()])
+        stretch = _rounded(stretch[None])[0]
         known = np.array(self._tagged[row].stretch) if row in self._tagged else stretch
         return stretch if _differ(stretch[None], known[None])[0] else known
 
@@ -764,6 +766,12 @@ def _tagged_above(obj: Object, tagged: Container[int]) -> Object | None:
     while above is not None and above.session_uid not in tagged and above.parent is not None:
         above = above.parent
     return above
+
+
+def _rounded(stretches: FloatArray) -> FloatArray:
+    """Stretches (n, 6) to six digits."""
+    digits = [float(f"{part:.6g}") for part in stretches.reshape(-1).tolist()]
+    return np.array(digits).reshape(-1, 6)
 
 
 def _differ(stretches: FloatArray, known: FloatArray) -> BoolArray:

@@ -166,6 +166,29 @@ def test_nothing_is_read_while_instancers_stand_still(crates, monkeypatch):
     assert count == 6
 
 
+def test_edits_count_for_the_instances_of_an_object_and_read_no_others(crates, monkeypatch):
+    floor, _ = crates
+    traced()
+
+    def kappas():
+        return {o.name: o.kappa for o in sessions.shown(bpy.context.scene).reading.objects}
+
+    before = kappas()
+    read = []
+    monkeypatch.setattr(
+        reading_of_instances,
+        "counts",
+        lambda obj, old=reading_of_instances.counts: read.append(obj) or old(obj),
+    )
+    floor.haptics.kappa = 0.75
+    traced()
+    assert kappas() == {**before, "floor": 0.75} and not read
+    bpy.data.objects["crate"].haptics.kappa = 0.25
+    traced()
+    changed = {name: 0.25 for name in before if ": crate" in name}
+    assert kappas() == {**before, "floor": 0.75, **changed} and len(changed) == 3 and read
+
+
 @pytest.mark.parametrize("as_mesh", [False, True])
 def test_what_geometry_nodes_scatter_touches(scene, add_box, as_mesh):
     rock = add_box("rock", (0, 0, -9), (0.2, 0.2, 0.2), haptic=False)
