@@ -80,6 +80,7 @@ class SceneReader:
         ] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
         # The same of several objects that show one mesh, while everything is read.
         self._alike: dict[Any, tuple[Any, Any, SurfaceShape]] = {}
+        self._contents: dict[Any, object] = {}  # and its checksums
         # By session id: what they were made from, the parts, their last motions, and the shape.
         self._bone_parts: dict[
             int, tuple[Any, BoneParts | None, FloatArray, SurfaceShape | None]
@@ -320,19 +321,16 @@ class SceneReader:
         self._curves.clear()
         self._animated.clear()
         self.solo_roles = solo_roles(tagged.values())
-        stretches = dict(
-            zip(
-                tagged,
-                rigid_transforms(raw[np.array(list(tagged), dtype=np.int64)])[1],
-                strict=True,
-            )
-        )
+        rows = list(tagged)
+        found = rigid_transforms(raw[np.array(rows, dtype=np.int64)])[1]
+        stretches = dict(zip(rows, self._stretches(rows, found), strict=True))
         instances = self._read_instances(depsgraph, len(raw))
         self._tagged = {
             row: self._read_object(row, obj, depsgraph, stretches[row])
             for row, obj in progress(tuple(tagged.items()))
         }
         self._alike.clear()
+        self._contents.clear()
         self._tagged |= instances
         numbers = {obj.session_uid: k for k, obj in enumerate(tagged.values())}
         # Below an untagged root, as imports have it, the first tagged one carries the others.
@@ -457,11 +455,10 @@ class SceneReader:
         self._tagged |= reshaped
         changed = switched = False
         reread = sorted(rows)
-        stretches = (
-            rigid_transforms(raw[lists.rows.searchsorted(reread)])[1]
-            if reread
-            else np.zeros((0, 6))
-        )
+        stretches = np.zeros((0, 6))
+        if reread:
+            found = rigid_transforms(raw[lists.rows.searchsorted(reread)])[1]
+            stretches = self._stretches(reread, found)
         for row, stretch in zip(reread, stretches, strict=True):
             obj = evaluated.get(row) or bpy.data.objects[row]
             known = self._tagged[row]
@@ -598,7 +595,6 @@ class SceneReader:
         name = obj.name_full
         problems: list[Problem] = []
         haptic_object = body = surface = home = source = listener = None
-        stretch = self._stretch(row, stretch)
         animated = compatibility.animated_paths(obj)
         if np.isnan(stretch).any():
             nothing = (None,) * 6
@@ -666,12 +662,17 @@ class SceneReader:
         self._animated[row] = values
         return values != before
 
-    def _stretch(self, row: int, stretch: FloatArray) -> FloatArray:
-        """The object's stretch in the world to six digits; the known one if only rounding differs,
-        so that a rotating object keeps its shape."""
-        stretch = _rounded(stretch[None])[0]
-        known = np.array(self._tagged[row].stretch) if row in self._tagged else stretch
-        return stretch if _differ(stretch[None], known[None])[0] else known
+    def _stretches(self, rows: list[int], found: FloatArray) -> FloatArray:
+        """The stretches ``found`` (n, 6) of objects in the world, by row, to six digits; the known
+        ones where only rounding differs, so that a rotating object keeps its shape."""
+        rounded = _rounded(found)
+        known = np.array(
+            [
+                self._tagged[row].stretch if row in self._tagged else own
+                for row, own in zip(rows, rounded, strict=True)
+            ]
+        ).reshape(-1, 6)
+        return np.where(_differ(rounded, known)[:, None], rounded, known)
 
     def _shape(self, obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
         """The collision shape of an object with its world ``stretch`` (6,): that of an imported
@@ -699,7 +700,7 @@ class SceneReader:
                 known = self._shapes[session_id] = self._alike[alike]
                 return known[2]
         started = perf_counter()
-        content = mesh_checksum(obj, depsgraph) if is_unchecked or not is_known else None
+        content = self._content(obj, depsgraph) if is_unchecked or not is_known else None
         if known is None or not is_known or (is_unchecked and known[1] != content):
             known = key, content, collision_shape(obj, depsgraph, stretch, margin)
             if is_unchecked and self._lists is not None:
@@ -709,6 +710,17 @@ class SceneReader:
         if alike is not None and alike[0]:
             self._alike[alike] = known
         return known[2]
+
+    def _content(self, obj: Object, depsgraph: Depsgraph) -> object:
+        """`mesh_checksum`, of objects that show one mesh once while everything is read."""
+        number = mesh_number(obj, depsgraph) if self._lists is None else 0
+        if not number:
+            return mesh_checksum(obj, depsgraph)
+        body = obj.rigid_body
+        key = number, body and (body.collision_shape, body.mesh_source)
+        if key not in self._contents:
+            self._contents[key] = mesh_checksum(obj, depsgraph)
+        return self._contents[key]
 
     def _bone_shape(
         self, obj: Object, armature: Object, depsgraph: Depsgraph, stretch: FloatArray
