@@ -35,7 +35,7 @@ ITERATIONS = 2000
 FIRST_CHECK, CHECKED = 8, 4
 """Iterations before the first evaluation of the error, and between two evaluations."""
 
-FEW, CUBES = 100, 2_400_000
+FEW, CUBES = 100, 1_200_000
 """Matrices of fewer subsystems, for which LAPACK takes one thread, are inverted, as long as the
 cubes of their sizes add up to less: beyond, iterations are faster."""
 

@@ -80,9 +80,8 @@ def intra_lanes(graph: HapticGraph, a: IntArray, b: IntArray) -> FloatArray:
 def band_factors(graph: HapticGraph, index: IntArray, distance: FloatArray) -> FloatArray:
     """Gain in each band (n, bands), relative to the plain one, of intra-connections in objects
     ``index``."""
-    factors = np.ones((len(index), BAND_COUNT))
-    if graph.table.band_gains is not None:
-        factors *= graph.table.band_gains[index]
+    gains = graph.table.band_gains
+    factors = np.ones((len(index), BAND_COUNT)) if gains is None else gains.take(index, axis=0)
     if graph.table.band_decays is not None:
         factors *= np.exp(-graph.table.band_decays[index] * distance[:, None])
     return factors

@@ -44,9 +44,9 @@ OWN, OWN_IN_BANDS = 0.06, 0.2
 """Bounds at which an object's energy under power of its own is exact enough: their squares bound
 its error. No error is given for bands."""
 
-LARGE = 6_500
-"""From so many unknown energies under power of observed nodes on, these are sought in their
-neighbourhoods."""
+LARGE = 48_000
+"""From so many products in an iteration for all observed nodes on, energies under power of these
+are sought in their neighbourhoods."""
 
 SAFETY = 2.0
 """How much more exact the energies are of which a squared gain is made."""
@@ -189,32 +189,37 @@ class _Assembly:
 
     def _squares(self, index: IntArray, distance: FloatArray) -> FloatArray:
         """Squares (lanes, n) of the gains of objects over distances; gains above 1 count as 1."""
-        gains = self._graph.table.gains(index, distance)[None]
-        if self._lanes > 1:
-            gains = np.concatenate([gains, gains * band_factors(self._graph, index, distance).T])
-        return np.where(gains > 0, np.maximum(np.minimum(gains, 1.0) ** 2, UNDERFLOW), 0.0)
+        factors = None if self._lanes == 1 else band_factors(self._graph, index, distance)
+        gains = _by_lane(self._graph.table.gains(index, distance), factors)
+        passes = gains > 0
+        gains *= gains
+        np.maximum(gains, UNDERFLOW, out=gains)
+        gains *= passes
+        return gains
 
     def _mean_squares(self) -> FloatArray:
         """Means (lanes, r) of the squared gains of subsystems over the typical distances of their
         contacts."""
         parts = self._parts
-        squares = parts.part * self._squares(parts.of_object[parts.region], parts.away)
+        squares = self._squares(parts.of_object.take(parts.region), parts.away)
+        squares *= parts.part
         mean = added_by(parts.region, squares, len(parts.mass))
         return np.where(mean > 0, np.maximum(mean, UNDERFLOW), 0.0)
 
     def _contact_squares(self, nodes: IntArray) -> FloatArray:
         """The square (lanes, c) of the gain of the contacts of nodes (c,)."""
         graph = self._graph
-        contact = graph.contact[nodes]
-        gains = graph.transmission[contact][None]
+        contact = graph.contact.take(nodes)
+        bands = None
         if self._lanes > 1:
             bands = (
                 np.ones((len(contact), BAND_COUNT))
                 if graph.contact_band_gains is None
-                else graph.contact_band_gains[contact]
+                else graph.contact_band_gains.take(contact, axis=0)
             )
-            gains = np.concatenate([gains, gains * bands.T])
-        return np.minimum(gains, 1.0) ** 2
+        gains = _by_lane(graph.transmission.take(contact), bands)
+        gains *= gains
+        return gains
 
     def _equations(self) -> PowerBalance:
         """Dampings and couplings. A subsystem of gain 0 absorbs energy and has the energy 0."""
@@ -489,7 +494,8 @@ class _Assembly:
         observed = row >= self._driven
         goal = np.full((self._lanes, self._columns - self._driven), OWN_IN_BANDS)
         goal[0] = OWN
-        if goal.size * len(self._parts.mass) >= LARGE and not is_small(self._balance):
+        products = len(self._balance.row) + 4 * len(self._parts.mass)
+        if goal.size * products >= LARGE and not is_small(self._balance):
             inputs = row[observed] - self._driven, region[observed], part[:, observed]
             found = near(self._balance, inputs, goal)
             if (found.doubt <= goal**2).all():
@@ -515,6 +521,16 @@ class _Assembly:
             return np.minimum(np.maximum(arriving, 0.0), 1.0)
 
         return level
+
+
+def _by_lane(gains: FloatArray, factors: FloatArray | None) -> FloatArray:
+    """Gains (n,), and those by band if there are ``factors`` (n, bands), as (lanes, n); at most
+    1."""
+    lanes = np.empty((1 if factors is None else 1 + BAND_COUNT, len(gains)))
+    lanes[0] = gains
+    if factors is not None:
+        np.multiply(gains, factors.T, out=lanes[1:])
+    return np.minimum(lanes, 1.0, out=lanes)
 
 
 def _beside(values: FloatArray) -> FloatArray:

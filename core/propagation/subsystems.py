@@ -100,14 +100,16 @@ def subsystems(graph: HapticGraph, nodes: IntArray) -> Subsystems:
     which, region, weight, of_object, divided, uptake = _attached(
         graph, position, on_object, strength, used, slot, begin
     )
-    place = np.where(
-        divided[region] > 0, position.take(which, axis=1), on_object.take(which, axis=1)
-    )
+    place = on_object
+    if divided.any():
+        place = np.where(
+            divided[region] > 0, position.take(which, axis=1), on_object.take(which, axis=1)
+        )
     centre, part, away, largest = _extents(strength[which] * weight, place, region, len(of_object))
-    strongest = np.maximum.reduceat(strength, begin)
-    mass = np.where(
-        divided, np.clip(largest / strongest[used.searchsorted(of_object)], LIGHTEST, 1.0), 1.0
-    )
+    mass = np.ones(len(of_object))
+    if divided.any():
+        strongest = np.maximum.reduceat(strength, begin)[used.searchsorted(of_object)]
+        mass = np.where(divided, np.clip(largest / strongest, LIGHTEST, 1.0), 1.0)
     return Subsystems(of_object, centre, mass, uptake, nodes[which], region, weight, part, away)
 
 
@@ -214,8 +216,10 @@ def _trimmed_ends(
     """
     begin, size = runs(slot)
     ends = np.zeros((2, 3, count))
-    ends[0][:, slot[begin]] = np.minimum.reduceat(place, begin, axis=1)
-    ends[1][:, slot[begin]] = np.maximum.reduceat(place, begin, axis=1)
+    ends[:, :, slot] = place  # whichever is last of each object
+    for along, first, last in zip(place, *ends, strict=True):
+        np.minimum.at(first, slot, along)
+        np.maximum.at(last, slot, along)
     weight = np.maximum(strength, np.finfo(np.float64).tiny)
     weight = weight / np.bincount(slot, weights=weight, minlength=count)[slot]
     # Where the first and the last contact are more than that, their places are these means.
