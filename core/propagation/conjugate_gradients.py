@@ -174,6 +174,32 @@ def is_small(balance: PowerBalance) -> bool:
 
 def _inverted(balance: PowerBalance, power: FloatArray) -> Balanced | None:
     """The same by the inverse of the whole matrix; None if that is too close to singular."""
+    matrix = _dense(balance)
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        return None
+    put_in = np.ascontiguousarray(power.transpose(1, 2, 0))
+    energy = np.maximum(np.einsum("kij,ksj->ksi", inverse, put_in), 0.0)
+    lost = np.einsum("kij,ksj->ksi", matrix, energy)
+    found = _certified(balance, power, energy.transpose(2, 0, 1), lost.transpose(2, 0, 1))
+    return found if found.bound.max(initial=0.0) < INVERTED else None
+
+
+def solve_at_once(balance: PowerBalance, power: FloatArray) -> Balanced | None:
+    """The same in less time, where the bits of a column may depend on the others; None if the
+    matrix is singular."""
+    matrix = _dense(balance)
+    try:
+        energy = np.maximum(np.linalg.solve(matrix, power.transpose(1, 0, 2)), 0.0)
+    except np.linalg.LinAlgError:
+        return None
+    lost = matrix @ energy
+    return _certified(balance, power, energy.transpose(1, 0, 2), lost.transpose(1, 0, 2))
+
+
+def _dense(balance: PowerBalance) -> FloatArray:
+    """The matrices (k, n, n)."""
     systems, count = balance.damping.shape
     coupling = added_by(balance.row * count + balance.column, balance.coupling, count * count)
     matrix = -coupling.reshape(systems, count, count)
@@ -181,20 +207,18 @@ def _inverted(balance: PowerBalance, power: FloatArray) -> Balanced | None:
         part = slice(begin, begin + block.shape[1])
         matrix[:, part, part] -= block
     matrix.reshape(systems, -1)[:, :: count + 1] += balance.diagonal
-    try:
-        inverse = np.linalg.inv(matrix)
-    except np.linalg.LinAlgError:
-        return None
-    put_in = np.ascontiguousarray(power.transpose(1, 2, 0))
-    energy = np.maximum(np.einsum("kij,ksj->ksi", inverse, put_in), 0.0)
-    residual = put_in - np.einsum("kij,ksj->ksi", matrix, energy)
-    rounding = EPSILON * (2 * balance.diagonal[:, None] * energy + put_in)
-    square = (np.abs(residual) + rounding) ** 2 / (balance.damping + balance.leak)[:, None]
-    bound = np.sqrt(square.sum(axis=2))
-    if not bound.max(initial=0.0) < INVERTED:
-        return None
-    energy, residual, rounding = (v.transpose(2, 0, 1) for v in (energy, residual, rounding))
-    return Balanced(energy, residual, rounding, bound)
+    return matrix
+
+
+def _certified(
+    balance: PowerBalance, power: FloatArray, energy: FloatArray, lost: FloatArray
+) -> Balanced:
+    """Energies (n, k, s) and how exact they are by what they lose."""
+    residual = power - lost
+    rounding = EPSILON * (2 * balance.diagonal.T[:, :, None] * energy + power)
+    square = (np.abs(residual) + rounding) ** 2
+    square /= (balance.damping + balance.leak).T[:, :, None]
+    return Balanced(energy, residual, rounding, np.sqrt(summed(square)))
 
 
 def summed(values: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray, added_by, ranges
 from ..frozen import frozen
-from .conjugate_gradients import PowerBalance, solve, summed
+from .conjugate_gradients import PowerBalance, solve, solve_at_once, summed
 
 RINGS, FEW = 2, 72
 """Rings of neighbours around a subsystem; those beyond the first only as long as no more subsystems
@@ -61,11 +61,13 @@ def near(
     inside, returned = _alone(balance, where, entries)
     power = np.zeros((len(where), *goal.shape))
     power[where.searchsorted(region), :, number] = size.T
-    found = solve(inside, power, lambda energy, bound: PART * goal)
+    found = (solve_at_once(inside, power) if len(where) <= FEW else None) or solve(
+        inside, power, lambda energy, bound: PART * goal
+    )
     back = returned.T[:, :, None]
     residual = found.residual + back * found.energy
     left = np.abs(residual) + found.rounding
-    lost = (inside.damping + inside.leak).T[:, :, None] - back
+    lost = (inside.damping + inside.leak - returned).T[:, :, None]
     own = summed((power + found.residual) * found.energy)
     rounding = summed(found.rounding * found.energy)
     square = summed(back * found.energy**2 + left**2 / lost) + rounding

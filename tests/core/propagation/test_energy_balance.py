@@ -282,8 +282,8 @@ def test_energies_within_their_bound(seed, count, strongest, wanted, dense, way)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
-@given(SEEDS, st.floats(0.01, 100), st.integers(0, 2), st.booleans())
-def test_energies_of_a_neighbourhood_within_their_bound(seed, strongest, rings, dense):
+@given(SEEDS, st.floats(0.01, 100), st.integers(0, 2), st.booleans(), st.sampled_from([0, 72]))
+def test_energies_of_a_neighbourhood_within_their_bound(seed, strongest, rings, dense, few):
     """Against LAPACK, under powers at one subsystem and at several; also where the neighbourhood
     holds a part of the subsystems whose couplings are a matrix."""
     random = np.random.default_rng(seed)
@@ -313,6 +313,7 @@ def test_energies_of_a_neighbourhood_within_their_bound(seed, strongest, rings, 
     size = random.uniform(0.1, 1, (2, 4))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(neighbourhood, "RINGS", rings)
+        patch.setattr(neighbourhood, "FEW", few)
         found = near(balance, (number, region, size), np.full((2, 3), 1e-9))
     power, energy = np.zeros((2, 2, count, 3))
     for system, factor in enumerate(factors):
