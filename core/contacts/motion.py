@@ -3,7 +3,8 @@
 A physics engine gives poses, not velocities, and the pose of the frame in which a body hits
 something already contains the bounce. So a body's path up to its next hit is extrapolated from the
 frames before: position with constant acceleration, rotation with constant angular velocity. Free
-fall is exact. A kinematic body's path is known at both ends and interpolated.
+fall is exact. A kinematic body's path is known at both ends and interpolated, unless something
+stopped it between them.
 
 Poses are arrays (12, n): rotation by rows, then position.
 """
@@ -28,6 +29,10 @@ larger ones are due to a hit."""
 _SLOW, _MOST_SLOWED = 0.05, 1.3
 """Least speed [m/s] of a body on its path, and largest factor by which it was faster before a
 hit."""
+
+_STOPPED, _STEADY = 0.1, 0.02
+"""Parts of its speed by which a kinematic body is slower than if it had gone on as before, from
+which on it was stopped within the last interval, and by which it may have braked before."""
 
 _DEVIATION = 0.001
 """Metres of deviation from the extrapolated path above which a body counts as disturbed."""
@@ -267,6 +272,23 @@ class MotionHistory:
         limit = max(_DEVIATION, _CHANGE / 2 * t * t)
         return self.moving() & (np.minimum(_squared(straight), _squared(bent)) > limit**2)
 
+    def _stopped(self, rows: IntArray) -> BoolArray:
+        """Which bodies ``rows`` (k,), of four poses, were stopped in the last interval: they moved
+        or turned without braking up to then."""
+        poses = [each.take(rows, axis=1) for each in self._poses]
+        found = np.zeros(len(rows), dtype=np.bool_)
+        for velocities in (_travels, spins):
+            before, last, now = (
+                np.sqrt(_squared(velocities(poses[k], poses[k + 1], step)))
+                for k, step in enumerate(np.diff(self.times).tolist())
+            )
+            found |= (
+                (last > _SLOW)
+                & (now - 2 * last + before < -_STOPPED * last)
+                & (last - before >= -_STEADY * last)
+            )
+        return found
+
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
         """Paths from the last frame but one to the last. None before there are three poses.
 
@@ -327,14 +349,18 @@ class MotionHistory:
             begin = np.where(
                 dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin
             )
-        # Kinematic: through both ends, unless it turned sharply in between, as in a hit. Dynamic
-        # bodies that were hit in the interval before: only the motion since then is known.
+        # Kinematic: through both ends, unless it turned sharply in between, or was stopped, as in a
+        # hit. Dynamic bodies that were hit in the interval before: only the motion since then is
+        # known.
         curved = 2 * (direct - chord) / (step + known)
         smooth = kinematic & (
             4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord))
         )
-        given = smooth | (~kinematic & (clean < 1))
         moving = self.moving()
+        if older:
+            rows = (smooth & moving).nonzero()[0]
+            smooth[rows] = ~self._stopped(rows)
+        given = smooth | (~kinematic & (clean < 1))
         acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
         spin = np.where(given, spins(start, end, step), spins(earlier, start, known))
@@ -352,6 +378,11 @@ class MotionHistory:
             known,
             trend,
         )
+
+
+def _travels(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
+    """Velocities (3, n) of the origins that lead from the one poses to the others."""
+    return (end[9:] - start[9:]) / time
 
 
 def _squared(vectors: FloatArray) -> FloatArray:

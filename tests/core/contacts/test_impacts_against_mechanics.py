@@ -252,6 +252,74 @@ def test_animated_hammer():
         assert impact.energy == pytest.approx(4 * (0.8 * math.pi) ** 2, rel=0.1)
 
 
+def animated(body, place, other, other_pose, energy="kinetic", rate=24.0):
+    """The impacts of a keyframed ``body`` in the matrices ``place`` of the time [s] on another one
+    that stays where it is."""
+    settings = ContactSettings(least_energy=0.1, energy=energy)
+    tracker = ContactTracker([other, body], settings)
+    return [
+        impact
+        for frame in range(30)
+        for impact in tracker.update(
+            frame / rate, np.stack([other_pose, place(frame / rate)])
+        ).impacts
+    ]
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.1, 0.3, 0.5, 0.6, 0.75, 0.88])
+@pytest.mark.parametrize("acceleration", [0.0, 15.0])
+def test_a_keyframed_body_that_stops_between_two_frames(phase, acceleration):
+    """It strikes at its full speed, when it arrives, wherever that is between frames."""
+    stop, speed = (12 + phase) / 24, 4.0  # when it arrives, and how fast
+
+    def place(time):
+        left = max(stop - time, 0.0)
+        (matrix,) = poses((0, 0, 0.6 + left * (speed - acceleration * left / 2)))
+        return matrix
+
+    hammer = Body("hammer", Box((0.2, 0.2, 0.2)), 8.0, motion="kinematic")
+    anvil = Body("anvil", Box((1, 1, 1)), 500.0, motion="static")
+    (impact,) = animated(hammer, place, anvil, np.eye(4))
+    assert impact.time == pytest.approx(stop, abs=0.001)
+    assert impact.energy == pytest.approx(8.0 / 2 * speed**2, rel=0.03)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.1, 0.3, 0.5, 0.75, 0.88])
+def test_a_keyframed_arm_that_stops_between_two_frames(phase):
+    """It turns about its origin, as an armature's does, and lands flat on a block."""
+    stop, spin = (12 + phase) / 24, 2.0
+
+    def place(time):
+        angle = spin * max(stop - time, 0.0)
+        matrix = np.eye(4)
+        matrix[0, [0, 2]] = math.cos(angle), -math.sin(angle)
+        matrix[2, [0, 2]] = math.sin(angle), math.cos(angle)
+        return matrix
+
+    corners = CUBE * (2, 0.1, 0.1) + (1, 0, 0)
+    arm = Body("arm", ConvexHull(corners), 5.0, motion="kinematic")
+    (block_pose,) = poses((1.8, 0, -0.15))
+    block = Body("block", Box((0.3, 0.3, 0.2)), 1.0)
+    (impact,) = animated(arm, place, block, block_pose, "normal")
+    assert impact.time == pytest.approx(stop, abs=0.001)
+    assert impact.energy == pytest.approx((spin * 1.8) ** 2 / 2, rel=0.2)  # from edge to edge
+
+
+def test_a_keyframed_body_that_brakes_before_it_strikes():
+    """From 4 m/s, at 8 m/s^2, to 2 m/s, with which it goes on into the other one."""
+
+    def place(time):
+        braking = min(max(time - 0.11, 0.0), 0.5)
+        (matrix,) = poses((0, 0, 1.35 + 4 * (0.11 - min(time, 0.11)) - 4 * braking * (1 - braking)))
+        return matrix
+
+    hammer = Body("hammer", Box((0.2, 0.2, 0.2)), 8.0, motion="kinematic")
+    anvil = Body("anvil", Box((1, 1, 1)), 500.0, motion="static")
+    (impact,) = animated(hammer, place, anvil, np.eye(4))
+    assert impact.time == pytest.approx(0.36, abs=0.002)
+    assert impact.energy == pytest.approx(8.0 / 2 * 2.0**2, rel=0.05)
+
+
 def fall_of(tracker, frames, rate=24.0, mass=5.0, start=0.0, h=2.0):
     places = [(frame, (0, 0, 0.2 + height(h, 0.3, frame / rate))) for frame in frames]
     return [
