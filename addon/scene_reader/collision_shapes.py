@@ -180,6 +180,12 @@ def mesh_number(obj: Object, depsgraph: Depsgraph) -> int:
     return data.as_pointer() if isinstance(data, Mesh) and not is_compound else 0
 
 
+def hides_multires(obj: Object) -> bool:
+    """Whether Blender evaluates an object without its Multiresolution, which Sculpt Mode shows in
+    its own way."""
+    return obj.mode == "SCULPT" and any(item.type == "MULTIRES" for item in obj.modifiers)
+
+
 def mesh_checksum(obj: Object, depsgraph: Depsgraph) -> object:
     """Checksum of the geometry that the shape of ``obj`` is built from. That of a compound differs
     at each call, so that its shape is always built again."""

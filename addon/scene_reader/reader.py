@@ -33,6 +33,7 @@ from .bone_parts import BoneParts, armature_of, parts_at_rest, rest_checksum
 from .collision_shapes import (
     collision_shape,
     distance_of_cloth,
+    hides_multires,
     mesh_checksum,
     mesh_number,
     shape_of_instance,
@@ -691,8 +692,8 @@ class SceneReader:
         session_id = obj.session_uid
         # None is left of a mesh that has no shape any more.
         known = self._shapes.pop(session_id, None)
-        is_unchecked = session_id in self._unchecked
         is_known = known is not None and known[0] == key
+        is_unchecked = session_id in self._unchecked and not (is_known and hides_multires(obj))
         alike = None
         if known is None and self._lists is None:
             alike = mesh_number(obj, depsgraph), obj.haptics.is_property_set("surface"), key

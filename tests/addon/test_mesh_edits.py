@@ -124,6 +124,22 @@ def test_a_mesh_emptied_in_edit_mode_has_no_vertices(boxes, scene):
     ]
 
 
+def test_multiresolution_conducts_as_it_is_while_it_is_sculpted(boxes, scene):
+    """A box that it makes smaller, so that it touches no more."""
+    bpy.context.view_layer.objects.active = boxes[1]
+    boxes[1].modifiers.new("multires", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier="multires")
+    found = []
+    for mode in ("OBJECT", "SCULPT", "OBJECT"):
+        bpy.ops.object.mode_set(mode=mode)
+        bpy.context.view_layer.update()
+        found.append(contacts(scene))
+    assert found == [0, 0, 0]
+    boxes[1].modifiers["multires"].levels = 0
+    bpy.context.view_layer.update()
+    assert contacts(scene) == 1
+
+
 def test_an_array_whose_offset_is_another_objects_place(boxes, scene):
     """A modifier without animation follows what it refers to."""
     away = bpy.data.objects.new("away", None)
