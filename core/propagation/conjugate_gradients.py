@@ -381,22 +381,26 @@ class _Matrix:
         value = balance.coupling * scale.take(balance.row, axis=1)
         value *= scale.take(balance.column, axis=1)
         row, column = self.place.take(balance.row), self.place.take(balance.column)
-        inside = row < self.kept
-        self._rows = _Rows(row[inside], column[inside], value[:, inside], self.kept)
+        kept = row < self.kept
+        inside = np.flatnonzero(kept)
+        self._rows = _Rows(
+            row.take(inside), column.take(inside), value.take(inside, axis=1), self.kept
+        )
         self._eliminated = None
         if self.kept < len(self.order):
-            inside = ~inside
-            row = row[inside] - self.kept
+            inside = np.flatnonzero(~kept)
+            row = row.take(inside) - self.kept
             count = len(self.order) - self.kept
-            self._eliminated = _Rows(row, column[inside], value[:, inside], count)
+            self._eliminated = _Rows(row, column.take(inside), value.take(inside, axis=1), count)
         self.products = self._rows.products
         self._blocks = []
         for begin, block in balance.blocks:
             part = slice(begin, begin + block.shape[1])
             scaled = block * (scale[:, part, None] * scale[:, None, part])
             self._blocks.append((int(self.place[begin]), scaled))
-        self.scale = scale.T[self.order]
-        self.decay = self._decay((balance.damping + balance.leak).T[self.order] * self.scale)
+        self.scale = scale.T.take(self.order, axis=0)
+        lost = (balance.damping + balance.leak).T.take(self.order, axis=0)
+        self.decay = self._decay(lost * self.scale)
 
     def _decay(self, damping: FloatArray) -> FloatArray:
         """See `_Matrix`; ``damping`` (n, k) with what leaks, scaled."""

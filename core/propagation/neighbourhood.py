@@ -98,8 +98,8 @@ def _alone(
     count = len(where)
     place = np.full(balance.damping.shape[1], -1)
     place[where] = np.arange(count)
-    row, column = place[balance.row[entries]], balance.column[entries]
-    coupling = balance.coupling[:, entries]
+    row, column = place.take(balance.row.take(entries)), balance.column.take(entries)
+    coupling = balance.coupling.take(entries, axis=1)
     kept = 1 - (balance.damping + balance.leak) / balance.diagonal
     outside = place[column] < 0
     leaves = added_by(row[outside], coupling[:, outside], count)
