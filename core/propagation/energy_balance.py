@@ -44,7 +44,7 @@ OWN, OWN_IN_BANDS = 0.06, 0.2
 """Bounds at which an object's energy under power of its own is exact enough: their squares bound
 its error. No error is given for bands."""
 
-LARGE = 48_000
+LARGE = 40_000
 """From so many products in an iteration for all observed nodes on, energies under power of these
 are sought in their neighbourhoods."""
 
