@@ -17,7 +17,7 @@ from bpy.props import (
 
 FRAMES = (-1048574, 1048574)
 """Blender's range of frames."""
-_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0, 0) else set[str]()
+_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set[str]()
 
 
 def switch(name: str, description: str, default: bool = False, **more: Any) -> BoolProperty:
