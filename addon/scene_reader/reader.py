@@ -79,9 +79,9 @@ class SceneReader:
         self._shapes: dict[
             int, tuple[Any, Any, SurfaceShape]
         ] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
-        # The same of several objects that show one mesh, while everything is read.
+        # The same by evaluated mesh and settings, for objects that share a mesh; kept only while
+        # all objects are read.
         self._alike: dict[Any, tuple[Any, Any, SurfaceShape]] = {}
-        self._contents: dict[Any, object] = {}  # and its checksums
         # By session id: what they were made from, the parts, their last motions, and the shape.
         self._bone_parts: dict[
             int, tuple[Any, BoneParts | None, FloatArray, SurfaceShape | None]
@@ -331,7 +331,6 @@ class SceneReader:
             for row, obj in progress(tuple(tagged.items()))
         }
         self._alike.clear()
-        self._contents.clear()
         self._tagged |= instances
         numbers = {obj.session_uid: k for k, obj in enumerate(tagged.values())}
         # Below an untagged root, as imports have it, the first tagged one carries the others.
@@ -695,13 +694,13 @@ class SceneReader:
         is_known = known is not None and known[0] == key
         is_unchecked = session_id in self._unchecked and not (is_known and hides_multires(obj))
         alike = None
-        if known is None and self._lists is None:
+        if self._lists is None and (is_unchecked or not is_known):
             alike = mesh_number(obj, depsgraph), obj.haptics.is_property_set("surface"), key
             if alike in self._alike:
                 known = self._shapes[session_id] = self._alike[alike]
                 return known[2]
         started = perf_counter()
-        content = self._content(obj, depsgraph) if is_unchecked or not is_known else None
+        content = mesh_checksum(obj, depsgraph) if is_unchecked or not is_known else None
         if known is None or not is_known or (is_unchecked and known[1] != content):
             known = key, content, collision_shape(obj, depsgraph, stretch, margin)
             if is_unchecked and self._lists is not None:
@@ -711,17 +710,6 @@ class SceneReader:
         if alike is not None and alike[0]:
             self._alike[alike] = known
         return known[2]
-
-    def _content(self, obj: Object, depsgraph: Depsgraph) -> object:
-        """`mesh_checksum`, of objects that show one mesh once while everything is read."""
-        number = mesh_number(obj, depsgraph) if self._lists is None else 0
-        if not number:
-            return mesh_checksum(obj, depsgraph)
-        body = obj.rigid_body
-        key = number, body and (body.collision_shape, body.mesh_source)
-        if key not in self._contents:
-            self._contents[key] = mesh_checksum(obj, depsgraph)
-        return self._contents[key]
 
     def _bone_shape(
         self, obj: Object, armature: Object, depsgraph: Depsgraph, stretch: FloatArray
