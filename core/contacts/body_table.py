@@ -32,7 +32,7 @@ class BodyTable:
         mass: (n,) [kg], 0 of a body without.
         dynamic: (n,) which bodies a simulation moves.
         medium: (n,) which bodies are volumes of air or water.
-        layers: (n,) of collision, as bits; none of a medium, which is not hit.
+        layers: (n,) in which bodies are struck, see `Body.struck_in`.
         narrow, time_of_impact: queries between the bodies.
     """
 
@@ -47,7 +47,7 @@ class BodyTable:
         self.mass = np.array([body.mass or 0.0 for body in bodies], dtype=np.float64)
         self.dynamic = np.array([body.motion is Motion.DYNAMIC for body in bodies], dtype=np.bool_)
         self.medium = np.array([body.medium for body in bodies], dtype=np.bool_)
-        self.layers = np.array([0 if b.medium else b.layers for b in bodies], dtype=np.int64)
+        self.layers = np.array([body.struck_in for body in bodies], dtype=np.int64)
         self.narrow: NarrowPhase = NarrowPhase(
             shapes,
             self.medium.tolist(),

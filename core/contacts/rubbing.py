@@ -257,7 +257,7 @@ def _moving_contacts(
     moved = (poses.before != poses.now).any(axis=(1, 2))
     rows = np.flatnonzero(moved[contacts.pairs].any(axis=1))
     textured = [
-        bodies[a].strikes(bodies[b])
+        bodies[a].struck_in & bodies[b].struck_in
         and settings.textures.of(bodies[a].named, bodies[b].named) is not None
         for a, b in contacts.pairs[rows].tolist()
     ]

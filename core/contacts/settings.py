@@ -33,10 +33,11 @@ class Body:
         named = item.name, shape, item.mass, item.motion, item.medium, item.material
         return cls(*named, item.layers)
 
-    def strikes(self, other: Body) -> bool:
-        """Whether contacts of the two may be impacts, or slide: to enter a medium is not to hit it,
-        and bodies without a common layer pass through each other."""
-        return not (self.medium or other.medium) and bool(self.layers & other.layers)
+    @property
+    def struck_in(self) -> int:
+        """The layers, as bits, in which the body makes impacts and slides on others: none of a
+        medium, because to enter it is not to hit it."""
+        return 0 if self.medium else self.layers
 
     @property
     def named(self) -> tuple[str, str]:

@@ -11,8 +11,11 @@ from ...arrays import FloatArray, IntArray
 from .frames import chunks
 from .manifold import ROUGHNESS
 
-WITHIN = 1.1 * ROUGHNESS
-"""Metres beyond the deepest part up to which others count: more than `CoreContacts.within`."""
+MARGIN = 1.1
+"""Factor by which parts are examined farther beyond the deepest one than `CoreContacts.within`."""
+
+WITHIN = MARGIN * ROUGHNESS
+"""Metres beyond the deepest part up to which others can count."""
 
 _FIRST = 16
 """How many parts are examined before the deepest is known."""

@@ -23,15 +23,15 @@ from .convex import ConvexDistances
 from .core_pairs import CorePairing, CorePairs
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
-from .deepest import WITHIN, examine_deepest
+from .deepest import MARGIN, WITHIN, examine_deepest
 from .frames import chunks, cross, dot, smooth_step, turned_back
 from .manifold import ROUGHNESS, UNEVEN, Patches, patch_gap, patches, within_of
 from .surfaces import CoreSurface, SurfacePart, Surfaces
 from .triangles import (
-    areas,
     both_ways_apart,
     crossing_lines,
     facing_axes,
+    normals_and_areas,
     over_each_other,
     triangle_to_triangle,
     unit_normals,
@@ -75,9 +75,10 @@ class _CrossingCurve:
 @frozen
 class _Faces:
     """Triangles (n,) that look at each other: the number of the ``pair`` of surfaces and of both
-    triangles, their corners (3, 3, n) and outward normals (3, n); ``turned``: only the other side
-    of a shell does. Signed separations along both normals: at least ``bound``, ``behind`` if the
-    first were on the other side of the second [m]."""
+    triangles, their corners (3, 3, n), outward normals (3, n), and the ``area`` (n,) of the smaller
+    one [m^2]; ``turned``: only the other side of a shell does. Signed separations along both
+    normals: at least ``bound``, ``behind`` if the first were on the other side of the second
+    [m]."""
 
     pair: IntArray
     triangle_a: IntArray
@@ -86,6 +87,7 @@ class _Faces:
     second: FloatArray
     normal_a: FloatArray
     normal_b: FloatArray
+    area: FloatArray
     turned: BoolArray
     bound: FloatArray
     behind: FloatArray
@@ -100,24 +102,24 @@ class _Faces:
     ) -> _Faces:
         """Of triangles by their corners; ``shell_a`` (n,): the first belongs to a shell, of which
         either side can face the other surface."""
-        normal_a = unit_normals(first)
-        normal_b = unit_normals(second)
+        normal_a, area_a = normals_and_areas(first)
+        normal_b, area_b = normals_and_areas(second)
         turned = dot(normal_a, normal_b) > 0
         normal_a = np.where(turned & shell_a, -normal_a, normal_a)
         normal_b = np.where(turned & ~shell_a, -normal_b, normal_b)
         bound, behind = np.maximum(
             both_ways_apart(first, second, normal_a), both_ways_apart(first, second, -normal_b)
         )
-        return cls(*numbers, first, second, normal_a, normal_b, turned, bound, behind)
+        area = np.minimum(area_a, area_b)
+        return cls(*numbers, first, second, normal_a, normal_b, area, turned, bound, behind)
 
     def within(self) -> FloatArray:
         """Metres (n,) beyond the deepest faces at which these can belong to the same patch, see
         `CoreContacts.within`: a patch is no larger than either triangle, and the slope between both
         in any plane at least that in the plane halfway between them."""
-        area = np.minimum(areas(self.first), areas(self.second))
         cosine = -dot(self.normal_a, self.normal_b)
         slope = 2 * np.sqrt(np.maximum(1 - cosine, 0.0) / (1 + cosine))
-        return 1.1 * np.maximum(within_of(area), patch_gap(slope))
+        return MARGIN * np.maximum(within_of(self.area), patch_gap(slope))
 
 
 @frozen

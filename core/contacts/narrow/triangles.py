@@ -179,15 +179,14 @@ def over_each_other(first: FloatArray, second: FloatArray, axis: FloatArray) -> 
 
 def unit_normals(corners: FloatArray) -> FloatArray:
     """Unit normals (3, n) of triangles (3, 3, n); 0 of one without area."""
+    return normals_and_areas(corners)[0]
+
+
+def normals_and_areas(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Unit normals (3, n) of triangles (3, 3, n), 0 of one without area, and areas (n,) [m^2]."""
     normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.sqrt(dot(normal, normal))
-    return normal / np.where(length > 0, length, 1.0)
-
-
-def areas(corners: FloatArray) -> FloatArray:
-    """Areas (n,) of triangles (3, 3, n) [m^2]."""
-    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.asarray(np.sqrt(dot(normal, normal)) / 2)
+    return normal / np.where(length > 0, length, 1.0), length / 2
 
 
 def facing_axes(
