@@ -114,8 +114,8 @@ def measure(name: str) -> Row:
 
 
 class _Traced:
-    """Processor time of what the extension does: its handlers of frames, what is called here, and
-    its thread."""
+    """Processor time that the extension takes: in its frame handlers, in functions called by
+    `call`, and in its own thread."""
 
     def __init__(self) -> None:
         import bpy

@@ -21,8 +21,8 @@ class Sizes:
         self._known: dict[tuple[float, ...], tuple[float, float, float]] = {}
 
     def of(self, obj: Object) -> tuple[float, float, float]:
-        """The three sizes [m] of a body, the greatest first. The least is that of its wall: by
-        volume and area of a closed mesh; a mesh with open edges is a sheet of at most 1 cm."""
+        """Length, width and thickness of a body [m], in descending order. The thickness is that of
+        its wall: by volume and area of a closed mesh, at most 1 cm of one with open edges."""
         mesh = obj.evaluated_get(self._depsgraph).data
         if not isinstance(mesh, Mesh) or len(mesh.polygons) == 0:
             return self._in_metres(obj, None)

@@ -81,7 +81,8 @@ def write_values(obj: Object, values: dict[str, Any]) -> None:
 
 
 def made_of(scene: Scene, name: str) -> Iterator[Object]:
-    """The editable objects of a scene with a material of its library, none without a name."""
+    """The editable objects of a scene that are made of the library material of this name; none if
+    the name is empty."""
     objects = scene.objects if name else ()
     return (obj for obj in objects if obj.haptics.material.name == name and obj.is_editable)
 

@@ -349,9 +349,9 @@ class MotionHistory:
             begin = np.where(
                 dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin
             )
-        # Kinematic: through both ends, unless it turned sharply in between, or was stopped, as in a
-        # hit. Dynamic bodies that were hit in the interval before: only the motion since then is
-        # known.
+        # The path of a kinematic body leads through both poses, unless it turned sharply or stopped
+        # between them, as in a hit. Of a dynamic body that was hit in the interval before, only the
+        # motion since then is known.
         curved = 2 * (direct - chord) / (step + known)
         smooth = kinematic & (
             4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord))

@@ -213,7 +213,8 @@ def _dense(balance: PowerBalance) -> FloatArray:
 def _certified(
     balance: PowerBalance, power: FloatArray, energy: FloatArray, lost: FloatArray
 ) -> Balanced:
-    """Energies (n, k, s) and how exact they are by what they lose."""
+    """Approximate energies (n, k, s) with certified bounds on their errors, from the power that
+    they lose by the equations, ``lost`` (n, k, s), and the ``power`` (n, k, s) put in."""
     residual = power - lost
     rounding = EPSILON * (2 * balance.diagonal.T[:, :, None] * energy + power)
     square = (np.abs(residual) + rounding) ** 2

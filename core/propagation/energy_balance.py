@@ -524,8 +524,8 @@ class _Assembly:
 
 
 def _by_lane(gains: FloatArray, factors: FloatArray | None) -> FloatArray:
-    """Gains (n,), and those by band if there are ``factors`` (n, bands), as (lanes, n); at most
-    1."""
+    """Gains by lane (lanes, n), none above 1: the plain ``gains`` (n,), then the same times the
+    ``factors`` (n, bands) of each band, if there are any."""
     lanes = np.empty((1 if factors is None else 1 + BAND_COUNT, len(gains)))
     lanes[0] = gains
     if factors is not None:

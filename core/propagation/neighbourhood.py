@@ -29,7 +29,7 @@ PART = 0.1
 
 @frozen
 class Near:
-    """Energies under each of t powers.
+    """Approximate energies in the neighbourhoods of t powers, with bounds on their errors.
 
     Attributes:
         where: (u,) the subsystems with other energies than 0, ascending.

@@ -125,7 +125,7 @@ def test_a_mesh_emptied_in_edit_mode_has_no_vertices(boxes, scene):
 
 
 def test_multiresolution_conducts_as_it_is_while_it_is_sculpted(boxes, scene):
-    """A box that it makes smaller, so that it touches no more."""
+    """Subdivision shrinks a box until it touches nothing; Sculpt Mode does not bring it back."""
     bpy.context.view_layer.objects.active = boxes[1]
     boxes[1].modifiers.new("multires", "MULTIRES")
     bpy.ops.object.multires_subdivide(modifier="multires")

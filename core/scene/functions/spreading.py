@@ -51,9 +51,9 @@ _ONE = np.zeros(1, dtype=np.int64)
 
 
 class Spreading:
-    """The laws of several objects as arrays: that of object k is ``laws[of[k]]``; by default
-    there is one. ``point`` (n,): the largest size [m] of patches that count as points.
-    ``from_patches``: whether any may be larger."""
+    """Spreading laws of n objects as arrays. ``of`` (n,): the number of each object's law, by
+    default that of a single object. ``point`` (n,): the largest size [m] of patches that count as
+    points. ``from_patches``: whether any may be larger."""
 
     def __init__(self, laws: Sequence[Law], of: IntArray = _ONE) -> None:
         self._laws = np.array([law[:5] for law in laws]).T.take(of, axis=1)
