@@ -213,7 +213,7 @@ class _Builder:
         rules = {
             key: value
             for key, value in item_to_dict(self.haptic.rules).items()
-            if not isinstance(value, list) or key == "gravity"
+            if not isinstance(value, list) or key in ("gravity", "passing")
         }
         haptics.imported = text_of(settings=item_to_dict(settings), rules=rules, extras=extras)
         for part in self.export.modalities:

@@ -22,7 +22,7 @@ float32."""
 
 class BodyTable:
     """``bodies`` as arrays by their number, from 0 to n - 1. What is known of shapes that are also
-    in the table ``before`` is taken over.
+    in the table ``before`` is taken over. ``passing`` as in `ContactSettings`.
 
     Attributes:
         middle, extent: (3, n) middle and half extents of a body's bounds in its own space [m].
@@ -33,10 +33,16 @@ class BodyTable:
         dynamic: (n,) which bodies a simulation moves.
         medium: (n,) which bodies are volumes of air or water.
         layers: (n,) in which bodies are struck, see `Body.struck_in`.
+        passing: (q,) keys of the pairs that pass through each other, ascending.
         narrow, time_of_impact: queries between the bodies.
     """
 
-    def __init__(self, bodies: Sequence[Body], before: BodyTable | None = None) -> None:
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        before: BodyTable | None = None,
+        passing: Sequence[tuple[str, str]] = (),
+    ) -> None:
         shapes = [body.shape for body in bodies]
         local = np.array([shape.local_bounds for shape in shapes]).reshape(-1, 2, 3)
         count = len(bodies)
@@ -48,6 +54,9 @@ class BodyTable:
         self.dynamic = np.array([body.motion is Motion.DYNAMIC for body in bodies], dtype=np.bool_)
         self.medium = np.array([body.medium for body in bodies], dtype=np.bool_)
         self.layers = np.array([body.struck_in for body in bodies], dtype=np.int64)
+        number = {body.name: k for k, body in enumerate(bodies)} if passing else {}
+        pairs = [[number[one], number[two]] for one, two in passing if {one, two} <= number.keys()]
+        self.passing = np.sort(self.keys(np.sort(np.array(pairs, dtype=np.int64).reshape(-1, 2))))
         self.narrow: NarrowPhase = NarrowPhase(
             shapes,
             self.medium.tolist(),

@@ -256,8 +256,10 @@ def _moving_contacts(
     """The touching pairs with a texture that move along each other."""
     moved = (poses.before != poses.now).any(axis=(1, 2))
     rows = np.flatnonzero(moved[contacts.pairs].any(axis=1))
+    passing = set(map(frozenset, settings.passing))
     textured = [
         bodies[a].struck_in & bodies[b].struck_in
+        and {bodies[a].name, bodies[b].name} not in passing
         and settings.textures.of(bodies[a].named, bodies[b].named) is not None
         for a, b in contacts.pairs[rows].tolist()
     ]

@@ -97,7 +97,9 @@ class ContactTracker:
     ) -> None:
         self.settings = settings or ContactSettings()
         self.bodies = tuple(bodies)
-        self._table: BodyTable = BodyTable(bodies, None if before is None else before._table)
+        self._table: BodyTable = BodyTable(
+            bodies, None if before is None else before._table, self.settings.passing
+        )
         self._striking = Striking(self.settings)
         self.reset()
 
@@ -150,7 +152,7 @@ class ContactTracker:
             if not posed[k] and bodies[k] != before[k]:
                 fits = False
         if not fits:
-            self._table = BodyTable(bodies, table)
+            self._table = BodyTable(bodies, table, self.settings.passing)
         if names != list(known):
             number = {body.name: k for k, body in enumerate(before) if body.name in known}
             self._renumber(
@@ -295,6 +297,7 @@ class ContactTracker:
         self._near.widen(table, self._history, extents, moved)
         a, b = self._near.larger, self._near.smaller
         collide = (table.layers[a] & table.layers[b]) > 0
+        collide &= ~among(self._near.key, table.passing)
         able = collide & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= self._striking.least)
         return HitSearch(self.settings, table, poses, self._near, paths, able.nonzero()[0])
 

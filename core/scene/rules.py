@@ -89,6 +89,13 @@ class ContactSettings(Declared):
     time_scale: float = number(
         1.0, "", "Seconds of simulation in a second of the scene", 0.0, above=True
     )
+    passing: tuple[tuple[str, str], ...] = part(
+        (),
+        "pair",
+        "Pairs of objects that pass through each other without impacts, sliding or rolling; "
+        "default none",
+        1_000_000,
+    )
     impact_table: RuleTable[ImpactRule] = part(
         RuleTable(),
         "impact_rule",

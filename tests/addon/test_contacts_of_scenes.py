@@ -195,6 +195,47 @@ def test_bodies_without_a_common_collision_collection_make_no_blow(drop, scene, 
     assert of_file == {"box": sum(1 << k for k in own), "floor": 1}
 
 
+@pytest.mark.parametrize(
+    "joint",
+    [
+        {"disable_collisions": True},
+        {"disable_collisions": True, "enabled": False},
+        {"disable_collisions": True, "use_breaking": True, "breaking_threshold": 0.01},
+        {"disable_collisions": False},
+        {"disable_collisions": True, "object1": None},
+    ],
+)
+def test_bodies_of_a_constraint_that_disables_collisions_make_no_blow(
+    drop, add_empty, scene, tmp_path, joint
+):
+    """As Blender's simulation has it, in which they pass through each other. A script's edit
+    counts in the next frame, and files name the pair."""
+    hinge = add_empty("hinge", (0, 0, 2.5), None)
+    with bpy.context.temp_override(object=hinge, active_object=hinge, selected_objects=[hinge]):
+        bpy.ops.rigidbody.constraint_add(type="GENERIC")
+    constraint = hinge.rigid_body_constraint
+    constraint.object1, constraint.object2 = drop, bpy.data.objects["floor"]
+    scene.frame_set(1)
+    assert session.result_of(scene) is not None
+    for key, value in joint.items():
+        setattr(constraint, key, value)
+    if "use_breaking" in joint:
+        constraint.type = "FIXED"
+    blows = played(scene, range(1, 20))
+    passes = drop.matrix_world.translation.z < 0
+    assert passes == (joint["disable_collisions"] and "object1" not in joint)
+    assert len(blows) == (0 if passes else 1)
+    assert session.result_of(scene).contacts.pairs.tolist() == [[0, 1]]
+    path = tmp_path / "scene.json"
+    bpy.ops.export_scene.haptic_scene(filepath=str(path))
+    rules = read_scene(path).rules
+    assert rules.passing == ((("box", "floor"),) if passes else ())
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.import_scene.haptic_scene(filepath=str(path))
+    session.result_of(bpy.context.scene)
+    assert session.of(bpy.context.scene).tracer.collisions.settings.passing == rules.passing
+
+
 def test_jumps_rate_changes_and_subframes_make_no_impacts(drop, scene):
     played(scene, range(1, 12))
     assert played(scene, [40, 41]) == []

@@ -204,7 +204,7 @@ def _all_values(item: Settings | ContactSettings) -> JsonObject:
     return {name: value for name, value in values.items() if value or name not in _OPTIONAL}
 
 
-_OPTIONAL = ("localise", "impact_table", "transmission_table", "textures")
+_OPTIONAL = ("localise", "passing", "impact_table", "transmission_table", "textures")
 
 
 def _lines(document: Form) -> Iterator[str]:

@@ -149,6 +149,7 @@ _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
     "impact_table": partial(_read_table, ImpactRule),
     "limits": partial(read_value, ImpactLimits),
     "normal": _read_normal,
+    "passing": lambda pairs, _: tuple(map(tuple, pairs)),
     "pose": partial(read_value, Pose),
     "propagation": read_function,
     "shape": partial(_placed, shape_from_dict),

@@ -148,6 +148,15 @@ def test_what_shares_no_layer_of_collision_passes_without_sliding():
         assert (strongest(results, "sliding") > 0) == slides
 
 
+def test_what_passes_through_each_other_does_so_without_sliding():
+    for pair, slides in ((("floor", "crate"), False), (("crate", "wall"), True)):
+        texture = Texture(0.01, noise=0.0, full_force=1.0, full_speed=1e-3)
+        settings = rules(((), (), texture), passing=(pair,))
+        results = play(settings, Box((EDGE,) * 3), slid(straight(1.0, 12)))
+        assert len(results[-1].contacts.pairs) == 1
+        assert (strongest(results, "sliding") > 0) == slides
+
+
 def test_what_is_carried_along_neither_slides_nor_rolls():
     """Crate and floor together through the room, turning as on a ship."""
     turn = [placed((0.2 * k, 0.1 * k, 0.0), (0.02 * k, 0.01 * k, 0.03 * k)) for k in range(20)]
