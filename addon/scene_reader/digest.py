@@ -125,7 +125,7 @@ def digest_of(scene: Scene) -> Digest:
             rules.append(value)
     shown = _layer_objects(scene)
     regions = regions_of(scene)
-    moving = _with_movers(obj for obj in shown if _is_relevant(obj) or obj.name in regions)
+    moving = with_movers(obj for obj in shown if _is_relevant(obj) or obj.name in regions)
     objects = {
         obj.name_full: {
             "haptics": _haptic_sum(obj, scene),
@@ -152,7 +152,7 @@ def motion_of(scene: Scene) -> str:
     modifiers of haptic objects and of objects that may move them.
     """
     regions = regions_of(scene)
-    moving = _with_movers(
+    moving = with_movers(
         obj for obj in _layer_objects(scene) if _may_collide(obj) or obj.name in regions
     )
     motions = [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]
@@ -246,7 +246,7 @@ def _layer_objects(scene: Scene) -> Iterable[Object]:
     ]
 
 
-def _with_movers(objects: Iterable[Object]) -> list[Object]:
+def with_movers(objects: Iterable[Object]) -> list[Object]:
     """The objects and those that move or deform them: parents, and the targets of constraints and
     modifiers."""
     found = {}

@@ -31,6 +31,7 @@ from ..scene_reader.modalities import read_modalities
 from ..scene_reader.problem import Problem
 from ..scene_reader.reader import SceneReader
 from ..scene_reader.reading import Reading
+from ..scene_reader.set_elsewhere import set_elsewhere
 from ..scene_reader.settings import read_settings
 from . import sessions, worker
 from .derived import shows_samples
@@ -270,11 +271,16 @@ def begin(
         session.motion = motion_of(scene)
     _restore_impacts(scene, session, reading, baked_impacts)
     restore = whole and not is_stepped(scene) and not is_playing()  # the timeline is paused
+    anew = (
+        set_elsewhere(scene, session.request.frame.number, session.request.reading, reading)
+        if continuous and session.request is not None
+        else frozenset()
+    )
     session.last = (scene.frame_current, duration) if whole else None
     heard = not (live and continuous) or plays or session.is_asked or shows_samples(session)
     session.is_asked = not continuous
     request = TraceRequest(
-        frame_of(scene, reading, continuous, restore, exact, heard),
+        frame_of(scene, reading, continuous, restore, exact, heard, anew),
         reading,
         others,
         errors,
@@ -401,6 +407,7 @@ def frame_of(
     restore: bool = False,
     exact: bool = False,
     heard: bool = True,
+    anew: frozenset[str] = frozenset(),
 ) -> Frame:
     """The tracer's input for a reading.
 
@@ -412,6 +419,7 @@ def frame_of(
             that does.
         exact: motions below the tolerance of rest count.
         heard: its samples are rendered.
+        anew: as of `Frame`.
     """
     return Frame(
         number=scene.frame_current,
@@ -428,6 +436,7 @@ def frame_of(
         exact=exact,
         duration=frame_seconds(scene),
         heard=heard,
+        anew=anew,
     )
 
 

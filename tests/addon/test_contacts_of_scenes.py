@@ -236,6 +236,81 @@ def test_bodies_of_a_constraint_that_disables_collisions_make_no_blow(
     assert session.of(bpy.context.scene).tracer.collisions.settings.passing == rules.passing
 
 
+@pytest.fixture
+def animated(add_box, scene):
+    """A crate of 5 kg that animation moves, above a floor."""
+    add_box("floor", (0, 0, -0.5), (20, 20, 1), "PASSIVE")
+    crate = add_box("crate", (0, 0, 6), (1, 1, 1), "ACTIVE", mass=5.0)
+    crate.rigid_body.kinematic = True
+    crate.haptics.source.enabled = crate.haptics.listener.enabled = True
+    return crate
+
+
+def keyed(owner, path, *keys, interpolation="LINEAR"):
+    for frame, value in keys:
+        setattr(owner, path, value)
+        owner.keyframe_insert(path, frame=frame)
+    for curve in compatibility.fcurves_of(owner.id_data):
+        for point in curve.keyframe_points:
+            point.interpolation = interpolation
+
+
+def _own(crate, add_empty, interpolation):
+    keyed(crate, "location", (9, (0, 0, 6)), (10, (0, 0, 0.5)), interpolation=interpolation)
+
+
+def _of_its_parent(crate, add_empty, interpolation):
+    truck = crate.parent = add_empty("truck", (0, 0, 0), None)
+    keyed(truck, "location", (9, (0, 0, 0)), (10, (0, 0, -5.5)), interpolation=interpolation)
+
+
+def _by_a_constraint(crate, add_empty, interpolation):
+    follows = crate.constraints.new("COPY_LOCATION")
+    follows.target = add_empty("place", (0, 0, 0.5), None)
+    keyed(follows, "influence", (9, 0.0), (10, 1.0), interpolation=interpolation)
+
+
+def _between_frames(crate, add_empty, interpolation):
+    keyed(crate, "location", (9.2, (0, 0, 6)), (9.8, (0, 0, 0.5)), interpolation=interpolation)
+
+
+@pytest.mark.parametrize("how", [_own, _of_its_parent, _by_a_constraint, _between_frames])
+@pytest.mark.parametrize("interpolation", ["CONSTANT", "LINEAR"])
+def test_a_body_that_keys_set_elsewhere_without_a_motion_makes_no_blow(
+    animated, add_box, add_empty, scene, how, interpolation
+):
+    how(animated, add_empty, interpolation)
+    actor = add_box("actor", (8, 0, 3), (1, 1, 1))  # which comes at the cut
+    keyed(actor, "hide_viewport", (1, True), (10, False))
+    blows = played(scene, range(1, 14))
+    result = session.result_of(scene)
+    assert [[result.objects[k] for k in pair] for pair in result.contacts.pairs] == [
+        ["crate", "floor"]
+    ]
+    assert [frame for frame, _ in blows] == ([10] if interpolation == "LINEAR" else [])
+
+
+@pytest.mark.parametrize(("begin", "end", "frames"), [(3.2, 0.5, [10, 19, 28]), (0.5, 3.2, [])])
+def test_a_cycle_strikes_by_its_motion_and_not_where_it_begins_again(
+    animated, scene, begin, end, frames
+):
+    """Down to the floor in 8 frames, and up at once; and the other way round."""
+    keyed(animated, "location", *((k, (0, 0, z)) for k, z in ((1, begin), (2, begin), (10, end))))
+    for curve in compatibility.fcurves_of(animated):
+        curve.modifiers.new("CYCLES")
+    blows = played(scene, range(1, 30))
+    assert [frame for frame, _ in blows] == frames
+    for _, blow in blows:
+        assert blow.energy == pytest.approx(5 / 2 * (2.7 * 24 / 8) ** 2, rel=0.01)
+
+
+def test_a_short_step_of_animation_on_twos_remains_a_blow(animated, scene):
+    """With constant interpolation, too: a body that moves by less than its size is animated."""
+    path = [(frame, (0, 0, max(0.5, 3.1 - 0.1 * frame * 2))) for frame in range(1, 30, 2)]
+    keyed(animated, "location", *path, interpolation="CONSTANT")
+    assert len(played(scene, range(1, 28))) == 1
+
+
 def test_jumps_rate_changes_and_subframes_make_no_impacts(drop, scene):
     played(scene, range(1, 12))
     assert played(scene, [40, 41]) == []

@@ -119,7 +119,7 @@ def test_settings_of_the_scene_that_are_keyframed_count_at_each_frame(seesaw, sc
             }
         )
     same = {name for name, value in found[0].items() if value == found[1][name]}
-    assert same == {"slack", "impact_table", "transmission_table", "textures"}
+    assert same == {"slack", "passing", "impact_table", "transmission_table", "textures"}
 
 
 def test_drivers_and_strips_of_the_nla_count_at_each_frame(seesaw, scene):
