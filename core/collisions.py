@@ -140,7 +140,7 @@ class CollisionDetector:
         self._tracked = Unchanged(_tracked)
         self._without_materials = Unchanged(_without_materials)
         self._stored: dict[int, FrameImpacts] = {}
-        self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None
+        self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None  # of the stored ones
         self._last: Frame | None = None
 
     @property
@@ -282,7 +282,7 @@ class CollisionDetector:
             self._rubbing.clear()
         if previous is not None and not retrace:
             self._store(
-                frame.number,
+                frame,
                 self._sources.snapshot(
                     previous, frame.transforms, self._shots.sounding, self._rubbing.snapshot
                 ),
@@ -374,10 +374,11 @@ class CollisionDetector:
             kept = None
         return kept
 
-    def _store(self, number: int, kept: FrameImpacts | None) -> None:
-        self._stored.pop(number, None)
+    def _store(self, frame: Frame, kept: FrameImpacts | None) -> None:
+        self._stored.pop(frame.number, None)
         if kept is not None:
-            self._stored[number] = kept
+            self._rules = self._rules_of(frame.bodies)
+            self._stored[frame.number] = kept
             if len(self._stored) > MOST_FRAMES:
                 del self._stored[next(iter(self._stored))]
 
@@ -388,13 +389,12 @@ class CollisionDetector:
     def _follow(self, bodies: tuple[Body, ...], anew: frozenset[str]) -> ContactTracker:
         """Return a tracker of ``bodies``: the current one if the settings are the same."""
         tracker = self._tracker
-        rules = self._rules_of(bodies)
-        if self._rules != rules:
+        settings = self._tracked(self.settings)
+        if self._stored and self._rules != self._rules_of(bodies):
             self.forget_impacts()
-        self._rules = rules
-        if tracker is None or tracker.settings != rules[1]:
+        if tracker is None or tracker.settings != settings:
             before, self._interrupted = tracker or self._interrupted, None
-            tracker = self._tracker = ContactTracker(bodies, rules[1], before)
+            tracker = self._tracker = ContactTracker(bodies, settings, before)
             self._sources.clear()
             self._rubbing.clear()
         elif anew or tracker.bodies != bodies:

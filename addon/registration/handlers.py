@@ -237,12 +237,15 @@ def _mark_changes(depsgraph: Depsgraph) -> None:
         bodies = None if world is None else world.collection
         if any(_concerns_others(edit, bodies) for edit in edits):
             mark_changed()
-        else:  # Blender before 5.0 names edits of a rigid body as it names moves
+        elif bpy.app.version >= (5, 0, 0):
+            mark_changed(())
+        else:  # which names edits of a rigid body as it names moves
             mark_changed(
                 [
-                    update.id.session_uid
+                    changed.session_uid
                     for update in depsgraph.updates
-                    if isinstance(update.id, Object) and update.id.rigid_body
+                    if isinstance(changed := update.id and update.id.original, Object)
+                    and changed.rigid_body
                 ]
             )
 
@@ -253,7 +256,7 @@ def _concerns_others(update: DepsgraphUpdate, bodies: Collection | None) -> bool
     collection of the rigid ``bodies`` whenever one of them moves."""
     changed = update.id and update.id.original
     if isinstance(changed, Object):
-        return not update.is_updated_transform
+        return not (update.is_updated_transform or update.is_updated_geometry)
     if isinstance(changed, Mesh):
         return not update.is_updated_geometry
     return not isinstance(changed, Scene) and changed != bodies

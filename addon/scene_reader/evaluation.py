@@ -17,13 +17,15 @@ class Evaluation:
         objects: that were evaluated, by session id.
         edited: session ids of the meshes, and of the objects whose geometry may have changed, with
             the compounds that they are parts of.
-        authored: of those the rigid bodies: Blender names no edit of their physics otherwise.
+        bodies: of those the rigid bodies: Blender names no edit of their physics otherwise.
+        joints: whether a rigid body constraint may have changed.
         names_all: whether nothing else has changed, and no object has come or gone.
     """
 
     objects: Mapping[int, Object]
     edited: frozenset[int]
-    authored: frozenset[int]
+    bodies: frozenset[int]
+    joints: bool
     names_all: bool
 
     @classmethod
@@ -32,7 +34,8 @@ class Evaluation:
         being named."""
         objects: dict[int, Object] = {}
         edited: set[int] = set()
-        authored: set[int] = set()
+        bodies: set[int] = set()
+        joints = False
         for update in depsgraph.updates:
             changed = update.id and update.id.original
             if isinstance(changed, (Scene, Collection)):
@@ -44,10 +47,11 @@ class Evaluation:
                 if update.is_updated_geometry:
                     whole = _with_compounds(changed)
                     edited |= whole
-                    authored |= whole if changed.rigid_body is not None else set()
+                    bodies |= whole if changed.rigid_body is not None else set()
                 elif not update.is_updated_transform:  # animation may have hidden it
                     names_all = False
-        return cls(objects, frozenset(edited), frozenset(authored), names_all)
+                    joints |= changed.rigid_body_constraint is not None
+        return cls(objects, frozenset(edited), frozenset(bodies), joints, names_all)
 
 
 def _with_compounds(obj: Object | None) -> set[int]:

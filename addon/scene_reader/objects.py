@@ -40,6 +40,17 @@ def read_object(obj: Object, scene: Scene) -> HapticObject:
     return HapticObject(obj.name_full, **values)
 
 
+def has_body_of(obj: Object, item: HapticObject | None, scene: Scene) -> bool:
+    """Whether an object is a rigid body as its haptic object ``item`` says."""
+    return (
+        item is not None
+        and obj.rigid_body is not None
+        and item.mass == mass_of(obj, scene)
+        and item.motion is read_motion(obj, None)
+        and item.layers == read_layers(obj, ALL_LAYERS)
+    )
+
+
 def mass_of(obj: Object, scene: Scene) -> float:
     """The mass [kg] of a rigid body as Blender shows it, with the cube of the unit scale; for
     *Impacts in Units*, that with which energies are as if a unit were a metre."""

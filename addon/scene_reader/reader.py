@@ -6,7 +6,7 @@ bpy object is kept between calls: only session ids, row numbers and plain values
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Set
+from collections.abc import Collection, Container, Mapping, Set
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -43,7 +43,7 @@ from .evaluation import Evaluation
 from .imported import near, stored_item
 from .imported_contacts import ImportedContacts
 from .instances import NONE, Instances, all_matrices, haptic_instances, instanced_in_vain
-from .objects import read_listener, read_object, read_source
+from .objects import has_body_of, read_listener, read_object, read_source
 from .parented import ParentedPoses
 from .present import present_and_disabled
 from .problem import Problem
@@ -79,8 +79,7 @@ class SceneReader:
         self._shapes: dict[
             int, tuple[Any, Any, SurfaceShape]
         ] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
-        # The same by evaluated mesh and settings, for objects that share a mesh; kept only while
-        # all objects are read.
+        # The same by evaluated mesh and settings, for objects that share a mesh; of one reading.
         self._alike: dict[Any, tuple[Any, Any, SurfaceShape]] = {}
         # By session id: what they were made from, the parts, their last motions, and the shape.
         self._bone_parts: dict[
@@ -103,6 +102,7 @@ class SceneReader:
         self._contact_settings = ContactSettings()
         self._unchecked: set[int] = set()  # session ids of objects whose geometry may have changed
         self._authored: set[int] = set()  # and of those with properties that may have
+        self._bodies: set[int] = set()  # and of those with rigid bodies that may have
         self._postponed: set[int] = set()  # of the first, those that the next reading compares
         self._curves = AnimatedCurves()
         # By row: what its animated properties were last.
@@ -154,7 +154,8 @@ class SceneReader:
         """Make the next `read` compare what an evaluation may have changed."""
         self._evaluations += 1
         self._unchecked |= evaluation.edited
-        self._authored |= evaluation.authored
+        self._bodies |= evaluation.bodies
+        self._values = None if evaluation.joints else self._values
         known = self._instances
         self._is_instance_moved |= not (
             known.instancers.isdisjoint(evaluation.objects)
@@ -330,7 +331,6 @@ class SceneReader:
             row: self._read_object(row, obj, depsgraph, stretches[row])
             for row, obj in progress(tuple(tagged.items()))
         }
-        self._alike.clear()
         self._tagged |= instances
         numbers = {obj.session_uid: k for k, obj in enumerate(tagged.values())}
         # Below an untagged root, as imports have it, the first tagged one carries the others.
@@ -447,7 +447,12 @@ class SceneReader:
             raw = self._raw.copy()
             matrices = in_metres(matrices_of(evaluated.values()), self._metres)
             raw[lists.rows.searchsorted(list(evaluated))] = matrices
-        rows = {row for row, paths in lists.animated if self._is_animated_now(row, paths)}
+        animated = _objects_in([row for row, _ in lists.animated], evaluated)
+        rows = {
+            row
+            for (row, paths), obj in zip(lists.animated, animated, strict=True)
+            if self._is_animated_now(row, obj, paths)
+        }
         if lists is not self._lists:  # everything has just been read
             rows.clear()
         is_moved = self._move(lists, raw, exact, rows)
@@ -459,8 +464,9 @@ class SceneReader:
         if reread:
             found = rigid_transforms(raw[lists.rows.searchsorted(reread)])[1]
             stretches = self._stretches(reread, found)
-        for row, stretch in zip(reread, stretches, strict=True):
-            obj = evaluated.get(row) or bpy.data.objects[row]
+        for row, obj, stretch in zip(
+            reread, _objects_in(reread, evaluated), stretches, strict=True
+        ):
             known = self._tagged[row]
             tagged = self._read_object(row, obj, depsgraph, stretch)
             if tagged == known:
@@ -498,6 +504,8 @@ class SceneReader:
         self._lists = lists
         self._unchecked, self._postponed = self._postponed, set()
         self._authored.clear()
+        self._bodies.clear()
+        self._alike.clear()
         return lists
 
     def _by_row(self, objects: Mapping[int, Object]) -> dict[int, Object]:
@@ -561,12 +569,16 @@ class SceneReader:
             return reshaped
         unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
         rows |= {self._rows[number] for number in self._authored & self._rows.keys()}
-        for row in sorted(self._rows[number] for number in unchecked & self._rows.keys()):
-            number = int(lists.rows.searchsorted(row))
-            if row in rows or not np.array_equal(raw[number], self._raw[number]):
+        bodies = {self._rows[number] for number in self._bodies & self._rows.keys()} - rows
+        for row, obj in zip(bodies, _objects_in(bodies, evaluated), strict=True):
+            if not has_body_of(obj, self._tagged[row].object, depsgraph.scene):
                 rows.add(row)
-                continue
-            tagged = self._reshaped(row, evaluated.get(row) or bpy.data.objects[row], depsgraph)
+        edited = sorted({self._rows[number] for number in unchecked & self._rows.keys()} - rows)
+        numbers = lists.rows.searchsorted(edited)
+        moved = (raw[numbers] != self._raw[numbers]).any(axis=1).tolist()
+        objects = _objects_in(edited, evaluated)
+        for row, obj, is_moved in zip(edited, objects, moved, strict=True):
+            tagged = None if is_moved else self._reshaped(row, obj, depsgraph)
             if tagged is None:
                 rows.add(row)
             elif tagged is not self._tagged[row]:
@@ -653,11 +665,12 @@ class SceneReader:
             tuple(problems),
         )
 
-    def _is_animated_now(self, row: int, paths: tuple[str, ...] | None) -> bool:
-        """Whether animation has changed any property of the object since the last call."""
+    def _is_animated_now(self, row: int, obj: Object, paths: tuple[str, ...] | None) -> bool:
+        """Whether animation has changed any property of the object of a row since the last
+        call."""
         if paths is None:
             return True
-        values = _values_at(bpy.data.objects[row], paths)
+        values = _values_at(obj, paths)
         before = self._animated.get(row)
         self._animated[row] = values
         return values != before
@@ -677,10 +690,9 @@ class SceneReader:
     def _shape(self, obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
         """The collision shape of an object with its world ``stretch`` (6,): that of an imported
         file, else the known one unless its settings or its mesh have changed."""
-        if _is_as_imported(obj, stretch):
-            imported = stored_item(obj.haptics.imported, "object").get("shape")
-            if imported is not None:
-                return SurfaceShape(imported)
+        imported = stored_item(obj.haptics.imported, "object").get("shape")
+        if imported is not None and _is_as_imported(obj, stretch):
+            return SurfaceShape(imported)
         if obj.haptics.surface == "SEEN" and obj.rigid_body is None:
             armature = armature_of(obj)
             shape = armature and self._bone_shape(obj, armature, depsgraph, stretch)
@@ -694,10 +706,13 @@ class SceneReader:
         is_known = known is not None and known[0] == key
         is_unchecked = session_id in self._unchecked and not (is_known and hides_multires(obj))
         alike = None
-        if self._lists is None and (is_unchecked or not is_known):
+        if is_unchecked or not is_known:
             alike = mesh_number(obj, depsgraph), obj.haptics.is_property_set("surface"), key
-            if alike in self._alike:
-                known = self._shapes[session_id] = self._alike[alike]
+            found = self._alike.get(alike)
+            if found is not None:
+                if known is None or not is_known or known[1] != found[1]:
+                    known = found
+                self._shapes[session_id] = known
                 return known[2]
         started = perf_counter()
         content = mesh_checksum(obj, depsgraph) if is_unchecked or not is_known else None
@@ -750,6 +765,13 @@ def _with_current_regions(item: Source, row: int, scene: Scene) -> Source:
         for t in item.triggers or ()
     )
     return replace(item, triggers=tuple(moved))
+
+
+def _objects_in(rows: Collection[int], evaluated: Mapping[int, Object]) -> list[Object]:
+    """The objects in some rows, of which some have just been ``evaluated``. Blender looks for one
+    by its number among all that come before."""
+    every: Any = bpy.data.objects if len(rows) <= _FEW else tuple(bpy.data.objects)
+    return [evaluated.get(row) or every[row] for row in rows]
 
 
 def _moved(raw: NDArray[np.float32], before: NDArray[np.float32], limits: FloatArray) -> IntArray:

@@ -26,7 +26,6 @@ def setting_values(scene: Scene) -> tuple[Any, ...]:
         *scene.gravity,
         scene.use_gravity,
         time_scale,
-        _passing(scene),
     )
 
 

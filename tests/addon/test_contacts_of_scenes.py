@@ -211,8 +211,8 @@ def test_bodies_of_a_constraint_that_disables_collisions_make_no_blow(
     """As Blender's simulation has it, in which they pass through each other. A script's edit
     counts in the next frame, and files name the pair."""
     hinge = add_empty("hinge", (0, 0, 2.5), None)
-    with bpy.context.temp_override(object=hinge, active_object=hinge, selected_objects=[hinge]):
-        bpy.ops.rigidbody.constraint_add(type="GENERIC")
+    bpy.context.view_layer.objects.active = hinge
+    bpy.ops.rigidbody.constraint_add(type="GENERIC")
     constraint = hinge.rigid_body_constraint
     constraint.object1, constraint.object2 = drop, bpy.data.objects["floor"]
     scene.frame_set(1)
