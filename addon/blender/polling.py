@@ -119,6 +119,12 @@ class Edit(Action):
     bl_options = UNDO
     needs: ClassVar[Needs] = (OBJECT_MODE,)
 
+    def execute(self: Any, context: Context) -> set[str]:
+        """Evaluate the scene first: while its settings are adjusted (F9), Blender undoes and calls
+        it again with world matrices that are not set yet."""
+        context.view_layer.update()
+        return super().execute(context)
+
 
 class OnSelected(Edit):
     """Such an operator on the selected objects."""

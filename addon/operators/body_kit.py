@@ -44,7 +44,6 @@ class HAPTIC_OT_add_default_listeners(OnActive):
 
     def apply(self, context: Context) -> None:
         follow_unit_scale(context.scene)
-        context.view_layer.update()
         active = context.object
         armature = body_kit.armature_of(active)
         wanted = tuple(BODY_PART[name] for name in _PARTS[self.parts])
@@ -120,7 +119,6 @@ class HAPTIC_OT_mirror_listeners(OnSelected):
     bl_label = "Mirror Listeners"
 
     def apply(self, context: Context) -> None:
-        context.view_layer.update()
         sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
         if not sided:
             raise TranslatedError(

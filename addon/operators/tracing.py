@@ -119,13 +119,16 @@ class HAPTIC_OT_graph_to_geometry(Edit):
     needs = (
         *Edit.needs,
         Need(
-            lambda context: sessions.shown(context.scene) or sessions.is_behind(context.scene),
+            lambda context: sessions.shown(context.scene) or sessions.is_begun(context.scene),
             "Nothing has been traced yet: tag objects, then play or change the frame",
         ),
     )
 
     def apply(self, context: Context) -> None:
-        result = session.result_of(context.scene)
+        # While its settings are adjusted (F9), undo has dropped the result.
+        result = session.result_of(context.scene) or session.trace(
+            context.scene, context.evaluated_depsgraph_get(), live=True
+        )
         if result is None:
             raise Refused(
                 "This frame could not be traced: see the problems in the panel Haptic Tracing"

@@ -205,6 +205,12 @@ def felt_in(scene: Scene) -> tuple[Felt, ...]:
     return () if traced is None else traced.felt
 
 
+def is_begun(scene: Scene) -> bool:
+    """True if a frame was traced, or is being traced, also if undo has dropped its result."""
+    session = known(scene)
+    return session is not None and session.request is not None
+
+
 def is_behind(scene: Scene) -> bool:
     """True while a newer frame than the one `shown` is being traced."""
     session = known(scene)

@@ -2,6 +2,8 @@
 
 import bpy
 import pytest
+from haptic_tracing.addon.operators import adding
+from haptic_tracing.addon.session import session
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 
 
@@ -103,3 +105,30 @@ def test_trace_frame_says_when_nothing_is_tagged(add_box):
 def test_search_finds_no_operator_that_only_its_button_can_use(name):
     operator = getattr(bpy.types, f"HAPTIC_OT_{name}")
     assert "INTERNAL" in operator.bl_options
+
+
+def test_a_medium_surrounds_what_is_not_evaluated_yet(add_box, monkeypatch):
+    """As after the undo with which Blender begins when settings are adjusted."""
+    box = add_box("box", (0, 0, 0), (1, 1, 1))
+    _select(box)
+
+    operator = adding.HAPTIC_OT_add_medium
+    execute = operator.execute
+
+    def moved_and_executed(self, context):  # `bpy.ops` has evaluated the scene before
+        box.location = 3, 2, 1
+        return execute(self, context)
+
+    monkeypatch.setattr(operator, "execute", moved_and_executed)
+    bpy.ops.haptic.add_medium()
+    assert tuple(bpy.data.objects["Air"].location) == (3, 2, 1)
+
+
+def test_the_graph_becomes_geometry_after_undo_has_dropped_the_result(add_box, traced):
+    bpy.context.scene.haptics.tracing = False
+    add_box("box", (0, 0, 0), (1, 1, 1)).haptics.source.enabled = True
+    with pytest.raises(RuntimeError, match="Nothing has been traced yet"):
+        bpy.ops.haptic.graph_to_geometry()
+    traced()
+    session.cancel()
+    assert bpy.ops.haptic.graph_to_geometry() == {"FINISHED"}

@@ -167,6 +167,11 @@ def test_timeline_of_touch(play):
     assert all(seen.values()), seen
 
 
+def test_adjusting_the_last_operation(play):
+    seen = played_through(play(SCENARIOS / "adjust.py"))
+    assert all(seen.values()), seen
+
+
 def test_gizmos(play):
     seen = played_through(play(SCENARIOS / "gizmos.py"))
     assert all(seen.values()), seen
