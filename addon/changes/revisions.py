@@ -12,10 +12,13 @@ one that wasn't of certain objects alone."""
 _objects: dict[int, int] = {}
 """The last revision since then in which an object changed, by session id."""
 
+SCENE = 0
+"""In place of a session id: the settings and rules of scenes."""
+
 
 def mark_changed(objects: Collection[int] | None = None) -> None:
     """Count a change of something authored, in any scene. ``objects``: session ids of those that
-    it is of; None if others may depend on it."""
+    it is of, or `SCENE`; None if others may depend on it."""
     _changes["authored"] += 1
     if objects is None:
         _changes["everywhere"] = _changes["authored"]
@@ -26,8 +29,8 @@ def mark_changed(objects: Collection[int] | None = None) -> None:
 
 
 def changed_since(revision: int) -> frozenset[int] | None:
-    """Session ids of the objects of which something authored has changed since a revision; None if
-    that may be so of any."""
+    """Session ids of the objects of which something authored has changed since a revision, with
+    `SCENE`; None if that may be so of any."""
     if revision < _changes["everywhere"]:
         return None
     return frozenset(number for number, last in _objects.items() if last > revision)

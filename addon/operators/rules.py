@@ -9,7 +9,7 @@ from bpy.types import Context
 
 from ...core.scene.materials import texture_in
 from ..blender.polling import Edit
-from ..changes.revisions import mark_changed
+from ..changes.revisions import SCENE, mark_changed
 from ..properties.kinds import choice, switch
 from ..properties.rules import TABLES
 
@@ -45,7 +45,7 @@ class HAPTIC_OT_add_rule(_OfTable, Edit):
             if self.table == "textures":
                 _write_texture(row, texture_in(material))
         rows.active = len(rows.items) - 1
-        mark_changed()
+        mark_changed((SCENE,))
 
 
 class HAPTIC_OT_add_textures(Edit):
@@ -77,7 +77,7 @@ class HAPTIC_OT_add_textures(Edit):
             row.first_kind, row.first = "MATERIAL", name
             _write_texture(row, textures[name])
         rows.active = len(rows.items) - 1
-        mark_changed()
+        mark_changed((SCENE,))
         return {"FINISHED"}
 
 
@@ -95,7 +95,7 @@ class HAPTIC_OT_remove_rule(_OfTable, Edit):
         rows = self._rows(context)
         rows.items.remove(rows.active)
         rows.active = max(0, min(rows.active, len(rows.items) - 1))
-        mark_changed()
+        mark_changed((SCENE,))
 
 
 class HAPTIC_OT_move_rule(_OfTable, Edit):
@@ -110,4 +110,4 @@ class HAPTIC_OT_move_rule(_OfTable, Edit):
         place = max(0, min(rows.active + (-1 if self.up else 1), len(rows.items) - 1))
         rows.items.move(rows.active, place)
         rows.active = place
-        mark_changed()
+        mark_changed((SCENE,))

@@ -9,7 +9,7 @@ from bpy.props import CollectionProperty, PointerProperty
 from bpy.types import Context, PropertyGroup
 
 from ..changes.redraw import redraw_viewports
-from ..changes.revisions import mark_changed
+from ..changes.revisions import SCENE, mark_changed
 from .kinds import text
 
 Callback = Callable[[Any, Context], None]
@@ -19,6 +19,11 @@ _Group = TypeVar("_Group", bound=type[PropertyGroup])
 def changed(self: PropertyGroup, context: Context) -> None:
     """Mark the traced scene as changed."""
     mark_changed()
+
+
+def scene_changed(self: PropertyGroup, context: Context) -> None:
+    """Mark the settings and rules of the scene as changed, and no object."""
+    mark_changed((SCENE,))
 
 
 def object_changed(self: PropertyGroup, context: Context) -> None:

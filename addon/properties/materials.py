@@ -28,7 +28,7 @@ from ...core.scene.functions import Spectrum
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender.progress import progress
-from .callbacks import Stored, changed, object_changed, updating
+from .callbacks import Stored, object_changed, scene_changed, updating
 from .declared import holding
 from .kinds import choice, file_path, limited, reference, switch, text
 
@@ -159,7 +159,8 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
         and (material := scene.haptics.materials.items.get(self.name)) is not None
     ):
         write_values(obj, values_of(material))
-    changed(self, context)  # rules may be of the material
+    object_changed(self, context)
+    scene_changed(self, context)  # rules may be of the material
 
 
 @updating(object_changed)

@@ -11,7 +11,7 @@ from bpy.types import PropertyGroup
 
 from ...core.scene.impact_rule import TEMPLATES, ImpactLimits, ImpactRule
 from ...core.scene.texture import Texture
-from .callbacks import Stored, updating
+from .callbacks import Stored, scene_changed, updating
 from .declared import holding, items_of
 from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
@@ -55,7 +55,7 @@ class TableRows:
     active: IntProperty(name="Active Rule", default=0, min=0, options=set())
 
 
-@updating(animated=False)
+@updating(scene_changed, animated=False)
 @holding(ImpactRule)
 @holding(ImpactLimits)
 class HapticImpactRule(RuleScope, Stored, PropertyGroup):
@@ -82,7 +82,7 @@ class HapticImpactTable(TableRows, PropertyGroup):
     items: CollectionProperty(type=HapticImpactRule)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
-@updating(animated=False)
+@updating(scene_changed, animated=False)
 @holding(Texture)
 class HapticTexture(RuleScope, Stored, PropertyGroup):
     """The texture of some objects that slide or roll on each other."""
@@ -94,7 +94,7 @@ class HapticTextureTable(TableRows, PropertyGroup):
     items: CollectionProperty(type=HapticTexture)  # type: ignore[assignment]  # in place of items() of bpy_struct
 
 
-@updating(animated=False)
+@updating(scene_changed, animated=False)
 class HapticTransmissionRule(RuleScope, ContactParameters, Stored, PropertyGroup):
     """The transmission function of contacts between some objects."""
 

@@ -8,7 +8,7 @@ from bpy.types import PropertyGroup
 from ...core.scene.rules import ContactSettings
 from ...core.scene.values import Settings
 from . import bake, live_output, materials, modalities, rules
-from .callbacks import Stored, changed, updating, view_changed
+from .callbacks import Stored, changed, scene_changed, updating, view_changed
 from .declared import holding
 from .kinds import choice, switch, text
 
@@ -75,7 +75,7 @@ class HapticGltfProperties(PropertyGroup):
     )
 
 
-@updating()
+@updating(scene_changed)
 @holding(
     ContactSettings,
     tolerance="contact_tolerance",
@@ -97,12 +97,14 @@ class HapticSceneProperties(Stored, PropertyGroup):
         "Lengths, speeds, masses and gravity are those that Blender shows; otherwise a unit is a "
         "metre",
         options=set(),
+        update=changed,
     )
     impacts_in_units: switch(
         "Impacts in Units",
         "Judge the energy of impacts as if a unit were a metre, where gravity was never adapted "
         "to the unit scale",
         options=set(),
+        update=changed,
     )
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)

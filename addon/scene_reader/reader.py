@@ -28,6 +28,7 @@ from ..blender.arrays import read_array
 from ..blender.progress import progress
 from ..blender.time import frame_seconds, seconds_of, stretching
 from ..blender.units import metres_per_unit
+from ..changes.revisions import SCENE
 from .animated_curves import AnimatedCurves
 from .bone_parts import BoneParts, armature_of, parts_at_rest, rest_checksum
 from .collision_shapes import (
@@ -91,8 +92,8 @@ class SceneReader:
         self._evaluations = 0  # that were noted since the last reading
         self._layer = ""  # view layer of the objects
         self._metres = 1.0  # per unit
-        # Of the scene: first and last frame, seconds a frame, and stretching.
-        self._times = (0, 0, 0.0, 1.0)
+        # Of the scene: first and last frame, seconds a frame, stretching, and contact tolerance.
+        self._times = (0, 0, 0.0, 1.0, 0.0)
         self._instances = NONE
         self._is_instance_moved = False
         self._problems_of_instances: tuple[Problem, ...] = ()
@@ -115,9 +116,11 @@ class SceneReader:
         self._placed: list[Source | Listener] = []  # with their positions in this frame
         self._settled: frozenset[str] = frozenset()
         self._imported = ImportedContacts()
-        self._tables: dict[str, Any] = {}  # of rules
+        self._tables: dict[str, Any] | None = None  # of rules
         self._meant = ObjectsMeant()
-        self._problems: tuple[Problem, ...] = ()  # other than those of tagged objects
+        # Other problems than those of tagged objects.
+        self._problems_beside: tuple[Problem, ...] = ()
+        self._problems_of_rules: list[Problem] = []
         self._markers: tuple[tuple[str, int], ...] = ()
         self.solo_roles: frozenset[str] = frozenset()
 
@@ -126,8 +129,12 @@ class SceneReader:
         self._session_ids = None
 
     def reread(self, objects: Set[int] | None) -> None:
-        """Make the next `read` read these objects, by session id, because an authored value of
-        theirs has changed; everything for None, and where others may depend on them."""
+        """Make the next `read` read these objects, by session id, or settings and rules for
+        `SCENE`, because an authored value of theirs has changed; everything for None, and where
+        others may depend on them."""
+        if objects is not None and SCENE in objects:
+            self._tables = None
+            objects -= {SCENE}
         if (
             objects is None
             or not objects <= self._rows.keys()
@@ -155,7 +162,7 @@ class SceneReader:
         self._evaluations += 1
         self._unchecked |= evaluation.edited
         self._bodies |= evaluation.bodies
-        self._values = None if evaluation.joints else self._values
+        self._tables = None if evaluation.joints else self._tables
         known = self._instances
         self._is_instance_moved |= not (
             known.instancers.isdisjoint(evaluation.objects)
@@ -190,7 +197,10 @@ class SceneReader:
         # Of one that does not name all, more may follow that is not noted.
         self._evaluations = int(evaluation is None or not evaluation.names_all)
         metres = metres_per_unit(scene)
-        times = scene.frame_start, scene.frame_end, frame_seconds(scene), stretching(scene)
+        times = (
+            *(scene.frame_start, scene.frame_end, frame_seconds(scene), stretching(scene)),
+            scene.haptics.contact_tolerance,
+        )
         if (metres, times) != (self._metres, self._times):
             self._metres, self._times, self._session_ids = metres, times, None
         if self._marked(scene) != self._markers or not self._move_instances(depsgraph):
@@ -218,7 +228,7 @@ class SceneReader:
             listeners=tuple(item for item in audible if isinstance(item, Listener)),
             settings=self._settings,
             contact_settings=self._contact_settings,
-            problems=(*self._problems, *lists.problems),
+            problems=(*self._problems_beside, *self._problems_of_rules, *lists.problems),
             settled=self._settled,
             hulls=lists.hulls,
             moving_instances=(len(self._instances.places), self._instance_milliseconds)
@@ -267,26 +277,26 @@ class SceneReader:
             self._present = present
             self._read_all(depsgraph, raw)
             self._imported.read(scene)
-            objects = [
-                tagged.object for tagged in self._tagged.values() if tagged.object is not None
-            ]
-            self._tables, of_rules = read_tables(scene, objects)
-            self._problems = (
+            self._problems_beside = (
                 *(Problem("", problem) for problem in self._imported.problems),
                 *_instance_problems(depsgraph),
                 *self._problems_of_instances,
-                *of_rules,
             )
-            self._session_ids, self._values = ids, None
+            self._session_ids, self._tables = ids, None
         self._layer = layer.name
         if self._instances is not NONE:
             raw = np.concatenate([raw, self._instances.matrices])
         return raw
 
     def _read_settings(self, scene: Scene) -> None:
-        """Read the settings if they have changed."""
+        """Read the settings and rules if they have changed."""
         values = setting_values(scene)
-        if values == self._values:
+        if self._tables is None:
+            objects = [
+                tagged.object for tagged in self._tagged.values() if tagged.object is not None
+            ]
+            self._tables, self._problems_of_rules = read_tables(scene, objects)
+        elif values == self._values:
             return
         self._settings = read_settings(scene)
         contact_settings = read_contact_settings(scene, self._tables)

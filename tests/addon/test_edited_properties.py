@@ -94,6 +94,15 @@ def test_materials_rules_and_scene(touching):
         (crate, "scale", (1, 1, 2)),
         (other, "hide_viewport", True),
     ]
+    haptics = touching.haptics
+    edits += [
+        (haptics, "contact_tolerance", 0.3),
+        (haptics, "threshold", 0.2),
+        (haptics, "impacts_in_units", True),
+        (row, "second_kind", "MATERIAL"),
+        (row, "second", "pine"),
+        (row, "function", "constant"),
+    ]
     for group, name, value in edits:
         setattr(group, name, value)
         bpy.context.view_layer.update()
@@ -117,11 +126,17 @@ def test_one_edit_reads_one_object(touching, monkeypatch, physics):
         "haptic_tracing.addon.scene_reader.reader.read_object",
         lambda obj, scene: read.append(obj.name) or read_object(obj, scene),
     )
-    monkeypatch.setattr(SceneReader, "_read_all", None)
+    read_all = SceneReader._read_all
+    monkeypatch.setattr(
+        SceneReader, "_read_all", lambda *args: read.append("everything") or read_all(*args)
+    )
     every[0].haptics.kappa = 0.3
     bpy.context.view_layer.update()
     assert session.result_of(touching) is not None
     every[1].location.z += 0.1
+    bpy.context.view_layer.update()
+    touching.haptics.threshold = 0.2
+    bpy.ops.haptic.add_rule(table="textures")
     bpy.context.view_layer.update()
     bpy.ops.object.select_all(action="SELECT")
     bpy.context.view_layer.update()
