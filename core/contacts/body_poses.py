@@ -20,7 +20,7 @@ class BodyPoses:
         version: (n,) how often the pose or the shape of each has changed.
         extents: (2, 3, n) of the bounding boxes in the world, against and along the axes, grown so
             that they overlap wherever two bodies can touch; -infinite of a body that is left out.
-        last_extents: (2, 3, n) the same before the last motion.
+        last_extents: (2, 3, n) the same in the last frame.
     """
 
     def __init__(self, count: int) -> None:
@@ -42,6 +42,7 @@ class BodyPoses:
         columns = transforms.reshape(-1, 16).T.take(_COLUMNS, axis=0)
         moved = (columns != self.pose).any(axis=0).nonzero()[0]
         if len(moved) == 0:
+            self.last_extents = self.extents
             return columns, moved, moved, moved
         self.last_extents = self.extents.copy()
         finite = np.isfinite(columns.take(moved, axis=1)).all(axis=0)

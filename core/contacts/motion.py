@@ -229,6 +229,10 @@ class MotionHistory:
         """Which bodies (n,) have moved within the stored frames."""
         return self._has_moved & (self._since_moved <= _DEPTH)
 
+    def stops(self) -> bool:
+        """Whether any body has stopped: it moved in the interval before the last one."""
+        return bool((self._has_moved & (self._since_moved == 1)).any())
+
     def speeds(self) -> FloatArray:
         """(n,) mean speed of each body in the last interval; 0 before there is one."""
         if len(self.times) < 2:

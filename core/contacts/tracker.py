@@ -236,6 +236,7 @@ class ContactTracker:
         elif (
             self._last is not None
             and len(moved) == 0
+            and not self._history.stops()
             and _same_request(endpoints, self._last_endpoints)
         ):
             return self._unchanged(warnings)

@@ -304,6 +304,14 @@ def test_a_cycle_strikes_by_its_motion_and_not_where_it_begins_again(
         assert blow.energy == pytest.approx(5 / 2 * (2.7 * 24 / 8) ** 2, rel=0.01)
 
 
+def test_a_crate_that_stops_just_above_the_floor_strikes_it(animated, scene):
+    """Two millimetres above, at a frame after which nothing moves."""
+    keyed(animated, "location", (1, (0, 0, 1.502)), (9, (0, 0, 0.502)))
+    ((frame, blow),) = played(scene, range(1, 14))
+    assert frame == 10
+    assert blow.energy == pytest.approx(5 / 2 * 3.0**2, rel=0.01)
+
+
 def test_a_short_step_of_animation_on_twos_remains_a_blow(animated, scene):
     """With constant interpolation, too: a body that moves by less than its size is animated."""
     path = [(frame, (0, 0, max(0.5, 3.1 - 0.1 * frame * 2))) for frame in range(1, 30, 2)]

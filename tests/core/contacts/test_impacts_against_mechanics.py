@@ -284,6 +284,23 @@ def test_a_keyframed_body_that_stops_between_two_frames(phase, acceleration):
     assert impact.energy == pytest.approx(8.0 / 2 * speed**2, rel=0.03)
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.3, 0.6, 0.88])
+@pytest.mark.parametrize("gap", [0.0005, 0.002, 0.008])
+def test_a_keyframed_body_that_stops_short_of_another_one_within_the_tolerance(phase, gap):
+    """It strikes with its speed as where it arrives, also if nothing moves afterwards."""
+    stop, speed = (12 + phase) / 24, 4.0
+
+    def place(time):
+        (matrix,) = poses((0, 0, 0.6 + gap + max(stop - time, 0.0) * speed))
+        return matrix
+
+    hammer = Body("hammer", Box((0.2, 0.2, 0.2)), 8.0, motion="kinematic")
+    anvil = Body("anvil", Box((1, 1, 1)), 500.0, motion="static")
+    (impact,) = animated(hammer, place, anvil, np.eye(4))
+    assert impact.time == pytest.approx(stop + gap / speed, abs=0.001)
+    assert impact.energy == pytest.approx(8.0 / 2 * speed**2, rel=0.03)
+
+
 @pytest.mark.parametrize("phase", [0.0, 0.1, 0.3, 0.5, 0.75, 0.88])
 def test_a_keyframed_arm_that_stops_between_two_frames(phase):
     """The arm turns about its origin, so that this does not move, and lands flat on a block."""
