@@ -626,11 +626,9 @@ class SceneReader:
                 surface = self._shape(obj, depsgraph, stretch)
                 haptic_object = read_object(obj, depsgraph.scene)
                 body = Body.of(haptic_object, surface.shape)
-                home = (
-                    stored_item(haptics.imported, "object").get("pose")
-                    if _is_as_imported(obj, stretch)
-                    else None
-                )
+                home = stored_item(haptics.imported, "object").get("pose")
+                if home is not None and not _is_as_imported(obj, stretch):
+                    home = None
             except ValueError as error:
                 if obj.session_uid not in self._instances.instancers:
                     problems.append(Problem(name, str(error)))

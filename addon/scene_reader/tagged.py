@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -120,7 +120,7 @@ class TaggedLists:
             assert tagged.object is not None and tagged.body is not None
             number = int(self.rows.searchsorted(row))
             bodies[int(self.of_bodies.searchsorted(number))] = tagged.body
-            still[number, :12] = _still_axes(tagged.stretch, tagged.body)
+            still[number, :12] = _still_axes([tagged.stretch], [tagged.body])
             hulls.pop(tagged.object.name, None)
             hulls |= _hulls([tagged])
         return replace(self, bodies=tuple(bodies), hulls=hulls, still=still)
@@ -148,13 +148,16 @@ def _still(
         same = [k for k, _, body in bodies if kept.get(id(body)) == k]
         limits[same] = before.still[same]
         bodies = [item for item in bodies if kept.get(id(item[2])) != item[0]]
-    for k, _, body in bodies:
-        limits[k, :12] = _still_axes(stretches[k], body)
+    if bodies:
+        limits[[k for k, _, _ in bodies], :12] = _still_axes(
+            [stretches[k] for k, _, _ in bodies], [body for _, _, body in bodies]
+        )
     return limits
 
 
-def _still_axes(stretch: tuple[float, ...], body: Body) -> FloatArray:
-    """The limits of changes of the axes (12,) in the world matrix of a body: that of a turn is less
-    the further its corners are away."""
-    arm = np.linalg.norm(np.abs(body.shape.local_bounds).max(axis=0))
-    return np.asarray(STILL * (np.repeat(np.abs(stretch[:3]), 4) / max(float(arm), 1e-9)))
+def _still_axes(stretches: Sequence[tuple[float, ...]], bodies: Sequence[Body]) -> FloatArray:
+    """The limits of changes of the axes (n, 12) in the world matrices of bodies: that of a turn is
+    less the further their corners are away."""
+    reach = np.abs([body.shape.local_bounds for body in bodies]).max(axis=1)
+    arm = np.linalg.norm(reach, axis=1)[:, None].clip(1e-9)
+    return np.asarray(STILL * (np.abs(stretches)[:, :3].repeat(4, axis=1) / arm))
