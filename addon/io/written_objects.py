@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray
+from ...core.contacts.shapes import quaternions
 from ...core.scene.values import HapticObject, Pose
 from ..scene_reader.imported import stored_item
 from ..scene_reader.reading import Reading
@@ -57,17 +58,7 @@ class WrittenObjects:
 
 
 def _poses(transforms: FloatArray) -> Iterator[Pose]:
-    """The poses of rigid transforms (n, 4, 4), in double precision: of the products of the
-    components of each quaternion, the row with the largest square."""
-    turns = transforms[:, :3, :3]
-    transposed = turns.transpose(0, 2, 1)
-    trace = turns.trace(axis1=1, axis2=2)
-    products = np.empty((len(turns), 4, 4))
-    products[:, 0, 0] = 1 + trace
-    products[:, 0, 1:] = products[:, 1:, 0] = (transposed - turns)[:, (1, 2, 0), (2, 0, 1)]
-    products[:, 1:, 1:] = turns + transposed + (1 - trace)[:, None, None] * np.eye(3)
-    largest = products.diagonal(axis1=1, axis2=2).argmax(axis=1)
-    rows = products[np.arange(len(turns)), largest]
-    rows /= np.copysign(np.linalg.norm(rows, axis=1), rows[:, 0])[:, None]
-    for place, turn in zip(transforms[:, :3, 3].tolist(), rows.tolist(), strict=True):
+    """The poses of rigid transforms (n, 4, 4), in double precision."""
+    turns = quaternions(transforms[:, :3, :3])
+    for place, turn in zip(transforms[:, :3, 3].tolist(), turns.tolist(), strict=True):
         yield Pose(tuple(place), tuple(turn))

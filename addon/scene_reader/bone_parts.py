@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
-from mathutils import Matrix
 
 from ...core.arrays import FloatArray, IntArray
 from ...core.contacts.hull import convex_hull
-from ...core.contacts.shapes import Compound, ConvexHull
+from ...core.contacts.shapes import Compound, ConvexHull, Shape, quaternions
 from ...core.contacts.surface_shape import hull_deviation
 from ...core.frozen import frozen
 from ...core.scene.values import Pose
@@ -43,13 +42,14 @@ _STRETCHED = 1e-3
 @frozen
 class BoneParts:
     """The parts of a mesh at rest, in the object's frame with its scale in them: ``points`` (n, 3)
-    of its vertices and the number (n,) of the part of each, ``hulls``, and by part the number of
-    the bone in the pose, -1 for what no bone moves, and the inverse (4, 4) of its matrix at rest.
-    ``concavity`` [m]: how far the hulls are beside the surface."""
+    of its vertices and the number (n,) of the part of each, the hulls of the parts as the
+    ``shape``, and by part the number of the bone in the pose, -1 for what no bone moves, and the
+    inverse (4, 4) of its matrix at rest. ``concavity`` [m]: how far the hulls are beside the
+    surface."""
 
     points: FloatArray
     of: IntArray
-    hulls: tuple[ConvexHull, ...]
+    shape: Compound
     bones: IntArray
     inverse_rest: FloatArray
     concavity: float
@@ -73,17 +73,18 @@ class BoneParts:
         linear = motions[:, :3, :3]
         products = linear.transpose(0, 2, 1) @ linear
         stretched = np.abs(products - np.eye(3)).max(axis=(1, 2)) > 2 * _STRETCHED
-        hulls = list(self.hulls)
+        hulls = dict[int, ConvexHull]()
         turns = linear.copy()
         for part in np.flatnonzero(stretched).tolist():
             left, sizes, right = np.linalg.svd(linear[part])
             side = np.sign(np.linalg.det(left @ right))  # -1 where the bone mirrors
             turns[part] = side * (left @ right)
             stretch = np.round(right.T * (side * sizes) @ right, 3)
-            hulls[part] = _stretched(hulls[part], stretch.tobytes())
-        places = map(tuple, motions[:, :3, 3].tolist())
-        rotations = (tuple(Matrix(turn).to_quaternion().normalized()) for turn in turns.tolist())
-        return Compound(tuple(zip(hulls, map(Pose, places, rotations), strict=True)))
+            hulls[part] = _stretched(self.shape.parts[part], stretch.tobytes())
+        poses = np.concatenate([motions[:, :3, 3], quaternions(turns)], axis=1)
+        if not hulls:
+            return self.shape.posed(poses)
+        return Compound(tuple(hulls.get(k, part) for k, part in enumerate(self.shape.parts)), poses)
 
     def deviation(
         self, motions: FloatArray, obj: Object, depsgraph: Depsgraph, stretch: FloatArray
@@ -160,7 +161,8 @@ def parts_at_rest(obj: Object, armature: Object, stretch: FloatArray) -> BonePar
     rest = read_array(armature.data.bones, "matrix_local", 16).reshape(-1, 4, 4)
     data = [armature.data.bones.find(bone.name) for bone in armature.pose.bones]
     inverse = np.linalg.inv(rest.transpose(0, 2, 1).astype(np.float64))[np.array(data)[bones]]
-    return BoneParts(points, of, hulls, bones, inverse, max(deviations))
+    shape = Compound.of((hull, Pose()) for hull in hulls)
+    return BoneParts(points, of, shape, bones, inverse, max(deviations))
 
 
 def _strongest(mesh: Mesh, bone_of: dict[int, int]) -> IntArray:
@@ -194,5 +196,6 @@ def _hull(points: bytes, triangles: bytes) -> tuple[ConvexHull, float]:
 
 
 @lru_cache(maxsize=256)
-def _stretched(hull: ConvexHull, stretch: bytes) -> ConvexHull:
+def _stretched(hull: Shape, stretch: bytes) -> ConvexHull:
+    assert isinstance(hull, ConvexHull)
     return ConvexHull(hull.points @ np.frombuffer(stretch).reshape(3, 3))

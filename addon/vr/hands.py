@@ -44,7 +44,7 @@ def _hand() -> Compound:
     thumb (-z) to the little finger, and the fingers point to -y."""
     along_y = np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0
     tips = [(0.0, -0.035, -0.055), *((0.0, -0.085, z) for z in (-0.03, -0.01, 0.01, 0.03))]
-    return Compound(
+    return Compound.of(
         (
             (Capsule(0.028, 0.04), Pose()),
             *((Capsule(0.008, 0.015), Pose(place, along_y)) for place in tips),

@@ -86,9 +86,9 @@ class BodyTable:
         if (
             not isinstance(shape, Compound)
             or not isinstance(new, Compound)
-            or [part for part, _ in shape.children] != [part for part, _ in new.children]
-            or replace(body, shape=shape) != old
+            or shape.parts != new.parts
             or shape.margin != new.margin
+            or replace(body, shape=shape) != old
         ):
             return False
         local = new.local_bounds

@@ -16,7 +16,6 @@ from .shapes import (
     Mesh,
     Shape,
     Sphere,
-    pose_matrix,
 )
 
 Surface = tuple[FloatArray, list[tuple[int, ...]]]
@@ -61,8 +60,10 @@ def surface(shape: Shape) -> Surface:
             return hull.points, list(flat.values())
         case Mesh(points=points, triangles=triangles):
             return np.array(points), [tuple(face) for face in triangles.tolist()]
-        case Compound(children=children):
-            return _joined([(*surface(child), pose_matrix(pose)) for child, pose in children])
+        case Compound(parts=parts, places=places):
+            return _joined(
+                [(*surface(part), place) for part, place in zip(parts, places, strict=True)]
+            )
     raise ValueError(f"There is no surface for a {shape.type}")
 
 

@@ -8,7 +8,7 @@ metres of it: the margin lies outside and rounds edges.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
 from functools import cached_property
 from typing import Any, ClassVar
@@ -71,17 +71,32 @@ def rotation_matrix(rotation: ArrayLike) -> FloatArray:
     return np.array(columns).T
 
 
+def quaternions(turns: FloatArray) -> FloatArray:
+    """The unit quaternions (n, 4) of rotation matrices (n, 3, 3), w >= 0: of the products of the
+    components of each, the row with the largest square."""
+    transposed = turns.transpose(0, 2, 1)
+    trace = turns.trace(axis1=1, axis2=2)
+    products = np.empty((len(turns), 4, 4))
+    products[:, 0, 0] = 1 + trace
+    products[:, 0, 1:] = products[:, 1:, 0] = (transposed - turns)[:, (1, 2, 0), (2, 0, 1)]
+    products[:, 1:, 1:] = turns + transposed + (1 - trace)[:, None, None] * np.eye(3)
+    largest = products.diagonal(axis1=1, axis2=2).argmax(axis=1)
+    rows: FloatArray = products[np.arange(len(turns)), largest]
+    rows /= np.copysign(np.linalg.norm(rows, axis=1), rows[:, 0])[:, None]
+    return rows
+
+
 def pose_matrix(pose: Pose) -> FloatArray:
     """The rigid (4, 4) matrix of a pose: local to world, columns are the axes."""
-    matrix: FloatArray = pose_matrices([pose])[0]
+    matrix: FloatArray = pose_matrices(np.array([(*pose.position, *pose.rotation)]))[0]
     return matrix
 
 
-def pose_matrices(poses: Sequence[Pose]) -> FloatArray:
-    """`pose_matrix` of several poses, (n, 4, 4)."""
+def pose_matrices(poses: FloatArray) -> FloatArray:
+    """`pose_matrix` of several poses (n, 7), each a position and a unit quaternion: (n, 4, 4)."""
     matrices = np.zeros((len(poses), 4, 4))
-    matrices[:, :3, :3] = rotation_matrix([pose.rotation for pose in poses])
-    matrices[:, :3, 3] = [pose.position for pose in poses]
+    matrices[:, :3, :3] = rotation_matrix(poses[:, 3:])
+    matrices[:, :3, 3] = poses[:, :3]
     matrices[:, 3, 3] = 1.0
     return matrices
 
@@ -232,8 +247,10 @@ class _PointShape(Shape):
         if type(other) is not type(self):
             return NotImplemented
         return self is other or all(
-            np.array_equal(getattr(self, item.name), getattr(other, item.name))
-            for item in fields(self)
+            np.array_equal(mine, theirs) if isinstance(mine, np.ndarray) else mine == theirs
+            for mine, theirs in (
+                (getattr(self, item.name), getattr(other, item.name)) for item in fields(self)
+            )
         )
 
     def __hash__(self) -> int:
@@ -328,43 +345,58 @@ class Mesh(_PointShape):
         return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
-@frozen
-class Compound(Shape):
-    """Shapes at poses in the local space of the body. ``margin`` adds to that of every child."""
+@frozen(eq=False)
+class Compound(_PointShape):
+    """``parts`` at ``poses`` (n, 7) in the local space of the body, each a position [m] and a unit
+    quaternion w, x, y, z. ``margin`` adds to that of every part."""
 
     type: ClassVar[str] = "compound"
-    children: tuple[tuple[Shape, Pose], ...]
+    parts: tuple[Shape, ...]
+    poses: FloatArray
     margin: float = 0.0
 
     def __post_init__(self) -> None:
-        children = tuple(self.children)
+        self.poses.setflags(write=False)
+        Shape.__post_init__(self)
+
+    @classmethod
+    def of(cls, children: Iterable[tuple[Shape, Pose]], margin: float = 0.0) -> Compound:
+        """Shapes at poses."""
+        children = tuple(children)
         if not children:
             raise ValueError("children: there are none")
-        object.__setattr__(self, "children", children)
-        Shape.__post_init__(self)
+        parts, poses = zip(*children, strict=True)
+        return cls(parts, np.array([(*pose.position, *pose.rotation) for pose in poses]), margin)
+
+    def posed(self, poses: FloatArray) -> Compound:
+        """The same parts at other poses (n, 7)."""
+        moved = Compound(self.parts, poses, self.margin)
+        vars(moved)["part_bounds"] = self.part_bounds
+        return moved
+
+    @cached_property
+    def part_bounds(self) -> FloatArray:
+        """The local bounds (n, 2, 3) of the parts."""
+        return np.array([part.local_bounds for part in self.parts])
 
     @cached_property
     def places(self) -> FloatArray:
-        """Rigid matrices (n, 4, 4) of the children. Read-only."""
-        matrices = pose_matrices([pose for _, pose in self.children])
+        """Rigid matrices (n, 4, 4) of the parts. Read-only."""
+        matrices = pose_matrices(self.poses)
         matrices.setflags(write=False)
         return matrices
 
     def core_bounds(self) -> FloatArray:
-        own = np.array([shape.local_bounds for shape, _ in self.children])
-        bounds = transformed_bounds(own, self.places)
+        bounds = transformed_bounds(self.part_bounds, self.places)
         return np.array([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
 
     def to_dict(self) -> dict[str, Any]:
-        form = Shape.to_dict(self)
-        form["children"] = [
-            {
-                **shape.to_dict(),
-                "pose": {"position": list(pose.position), "rotation": list(pose.rotation)},
-            }
-            for shape, pose in self.children
+        children = [
+            {**part.to_dict(), "pose": {"position": pose[:3], "rotation": pose[3:]}}
+            for part, pose in zip(self.parts, self.poses.tolist(), strict=True)
         ]
-        return form
+        margin = {"margin": self.margin} if self.margin else {}
+        return {"type": self.type, "children": children, **margin}
 
 
 def transformed_bounds(bounds: FloatArray, matrices: FloatArray) -> FloatArray:
@@ -393,6 +425,7 @@ def shape_from_dict(form: Mapping[str, Any]) -> Shape:
     values = {key: value for key, value in form.items() if key not in ("type", "pose")}
     if "children" in values:
         values["children"] = [_child(*item) for item in enumerate(values["children"])]
+        return Compound.of(**values)
     return SHAPES[form["type"]](**values)
 
 
@@ -416,7 +449,7 @@ class Primitive:
 
 def places_of(shape: Compound) -> FloatArray:
     """The matrices (n, 4, 4) of the `parts_of` a compound."""
-    if any(isinstance(child, Compound) for child, _ in shape.children):
+    if Compound in map(type, shape.parts):
         return np.array([part.matrix for part in parts_of(shape)])
     return shape.places
 
@@ -427,6 +460,6 @@ def parts_of(shape: Shape) -> tuple[Primitive, ...]:
         return (Primitive(shape, np.eye(4), shape.margin),)
     return tuple(
         Primitive(part.shape, place @ part.matrix, part.radius + shape.margin)
-        for (child, _), place in zip(shape.children, shape.places, strict=True)
+        for child, place in zip(shape.parts, shape.places, strict=True)
         for part in parts_of(child)
     )

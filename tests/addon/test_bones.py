@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.core.contacts.hull import convex_hull
-from haptic_tracing.core.contacts.shapes import pose_matrix
 from making_haptic import make_haptic
 from mathutils.bvhtree import BVHTree
 
@@ -98,8 +97,9 @@ def parts(name: str) -> list[np.ndarray]:
     number = [body.name for body in reading.bodies].index(name)
     place = reading.transforms[number]
     found = []
-    for hull, pose in reading.bodies[number].shape.children:
-        matrix = place @ pose_matrix(pose)
+    shape = reading.bodies[number].shape
+    for hull, own in zip(shape.parts, shape.places, strict=True):
+        matrix = place @ own
         found.append(hull.points @ matrix[:3, :3].T + matrix[:3, 3])
     return found
 

@@ -265,16 +265,17 @@ class Reduced:
 @frozen
 class CoreTable:
     """The cores of all bodies as arrays: those of body b are ``start[b] : start[b + 1]``.
-    ``rotation`` (3, 3, c) and ``offset`` (3, c) place a core in its body; ``placed`` is False where
-    all of them are the identity. ``bound_centre`` and ``bound_half`` (3, c): box around the core in
-    its own frame. ``thickness`` (b,) of each body's thinnest core [m]. ``reduced``: the primitives,
-    by the id of their shape, the radius by which they are grown and whether they are volumes. The
-    rest are the fields of `Core`: ``radius`` (3, c) and
-    ``half`` (3, 3, c) by size."""
+    ``rotation`` (3, 3, c) and ``offset`` (3, c) place a core in its body, ``matrices`` (c, 4, 4) in
+    its primitive; ``placed`` is False where all of the first are the identity. ``bound_centre`` and
+    ``bound_half`` (3, c): box around the core in its own frame. ``thickness`` (b,) of each body's
+    thinnest core [m]. ``reduced``: the primitives, by the id of their shape, the radius by which
+    they are grown and whether they are volumes. The rest are the fields of `Core`: ``radius`` (3,
+    c) and ``half`` (3, 3, c) by size."""
 
     cores: tuple[Core, ...]
     start: IntArray
     kind: IntArray
+    matrices: FloatArray
     rotation: FloatArray
     offset: FloatArray
     placed: bool
@@ -315,7 +316,8 @@ class CoreTable:
         placements = np.array(
             [part.matrix for parts in per_body for part in parts], dtype=np.float64
         ).reshape(-1, 4, 4)
-        matrices = placements @ np.array([core.matrix for core in cores]).reshape(-1, 4, 4)
+        own = np.array([core.matrix for core in cores]).reshape(-1, 4, 4)
+        matrices = placements @ own
         bounds = np.array([each.bounds for each in found], dtype=np.float64).reshape(-1, 2, 3)
         thickness = np.array([each.thickness for each in found], dtype=np.float64)
         return cls(
@@ -325,6 +327,7 @@ class CoreTable:
             cores=cores,
             start=start,
             kind=np.array([core.kind for core in cores], dtype=np.int64),
+            matrices=own,
             rotation=matrices[:, :3, :3].transpose(1, 2, 0).copy(),
             offset=matrices[:, :3, 3].T.copy(),
             placed=not np.array_equal(matrices, np.broadcast_to(np.eye(4), matrices.shape)),
@@ -339,7 +342,7 @@ class CoreTable:
         """Place the cores of a body as in ``shape``, which differs from its own only in their
         places."""
         cores = slice(self.start[body], self.start[body + 1])
-        matrices = places_of(shape) @ np.array([core.matrix for core in self.cores[cores]])
+        matrices = places_of(shape) @ self.matrices[cores]
         self.rotation[..., cores] = matrices[:, :3, :3].transpose(1, 2, 0)
         self.offset[:, cores] = matrices[:, :3, 3].T
 

@@ -231,7 +231,7 @@ shapes = st.one_of(
     st.builds(Cone, lengths, lengths),
     st.just(ConvexHull([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1]])),
     st.just(Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2], [0, 1, 3]])),
-    st.just(Compound(((Sphere(0.5), Pose((1, 0, 0))), (Box((1, 1, 1)), Pose())))),
+    st.just(Compound.of(((Sphere(0.5), Pose((1, 0, 0))), (Box((1, 1, 1)), Pose())))),
 )
 functions = st.sampled_from(
     [

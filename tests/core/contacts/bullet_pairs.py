@@ -67,7 +67,7 @@ SHAPES: dict[str, Shape] = {
         np.concatenate([_ring(0.4, -0.35, 12), [[0.0, 0.0, 0.35]]]), margin=MARGIN
     ),
     "hull": ConvexHull(_ball_points(24, 3), margin=MARGIN),
-    "compound": Compound(
+    "compound": Compound.of(
         (
             (Box((0.8, 0.2, 0.2), rounding=MARGIN), Pose((0.0, 0.0, 0.3))),
             (Sphere(0.25), Pose((0.0, 0.3, -0.2))),
@@ -117,13 +117,13 @@ class Bullet:
         p = self._bullet
         if not isinstance(shape, Compound):
             return int(p.createCollisionShape(physicsClientId=self._client, **self._form(shape)))
-        forms = [self._form(child) for child, _ in shape.children]
+        forms = [self._form(part) for part in shape.parts]
         return int(
             p.createCollisionShapeArray(
                 shapeTypes=[form.pop("shapeType") for form in forms],
                 halfExtents=[form.get("halfExtents", [1, 1, 1]) for form in forms],
                 radii=[form.get("radius", 1) for form in forms],
-                collisionFramePositions=[list(pose.position) for _, pose in shape.children],
+                collisionFramePositions=shape.poses[:, :3].tolist(),
                 physicsClientId=self._client,
             )
         )

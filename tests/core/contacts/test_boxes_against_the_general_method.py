@@ -82,7 +82,7 @@ def test_both_methods_find_the_same_corners_of_patches(seed, tilt, shift):
     rotation, offset = placed(seed, tilt, False)
     pose = Pose((shift, 0.0, 0.0), (1.0, shift, -shift, 0.0))
     turn, place = pose_matrix(pose)[:3, :3], np.array(pose.position)
-    narrow = NarrowPhase([Compound(((Box(size), pose),)) for size in SIZES])
+    narrow = NarrowPhase([Compound.of(((Box(size), pose),)) for size in SIZES])
     rotation = np.einsum("ij,jkp,lk->ilp", turn, rotation, turn)
     offset = turn @ offset + place[:, None] - np.einsum("ijp,j->ip", rotation, place)
     placing = np.tile([[0, 1]], (COUNT, 1)), rotation, offset, np.full(COUNT, 0.01)

@@ -142,7 +142,7 @@ def test_box_on_a_plane(ground, gap, frame):
             1.0,
         ),
         (
-            Compound(((Box((0.2, 0.2, 1.0)), at(0.5)), (Box((0.2, 0.2, 1.0)), at(-0.5)))),
+            Compound.of(((Box((0.2, 0.2, 1.0)), at(0.5)), (Box((0.2, 0.2, 1.0)), at(-0.5)))),
             (1, 0, 0, 0),
             0.5,
             0.08,

@@ -39,7 +39,7 @@ def test_a_cube_has_twelve_edges_however_it_is_given():
         np.testing.assert_allclose(
             np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1), 1
         )
-    assert len(edges(Compound(((hull, Pose()), (Box((1, 1, 1)), Pose((3, 0, 0))))))[1]) == 24
+    assert len(edges(Compound.of(((hull, Pose()), (Box((1, 1, 1)), Pose((3, 0, 0))))))[1]) == 24
 
 
 def test_open_edges_are_drawn():

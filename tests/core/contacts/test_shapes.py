@@ -32,10 +32,10 @@ SHAPES = [
     Cone(0.5, 1.0, 0.04),
     ConvexHull(TETRAHEDRON, 0.1, 0.04),
     Mesh(TETRAHEDRON, FACES, 0.04, 0.0),
-    Compound(
+    Compound.of(
         (
             (Box((1, 1, 1)), Pose((1, 0, 0), (0, 1, 0, 0))),
-            (Compound(((Sphere(1), Pose()),)), Pose()),
+            (Compound.of(((Sphere(1), Pose()),)), Pose()),
         ),
         0.1,
     ),
@@ -58,7 +58,7 @@ def test_margin_widens_the_bounds(shape):
 
 
 def test_bounds_of_a_compound():
-    pair = Compound(
+    pair = Compound.of(
         (
             (Box((2, 4, 6)), Pose((10, 0, 0), (np.sqrt(0.5), 0, 0, np.sqrt(0.5)))),
             (Sphere(1, 0.5), Pose((0, 0, 5))),

@@ -231,9 +231,9 @@ def table() -> Mesh:
 
 
 BODIES = {
-    "balls": (Compound(tuple((Sphere(0.02), Pose(tuple(foot))) for foot in FEET)), 0.02, 0.0),
+    "balls": (Compound.of(tuple((Sphere(0.02), Pose(tuple(foot))) for foot in FEET)), 0.02, 0.0),
     "capsules": (
-        Compound(tuple((Capsule(0.02, 0.3), Pose(tuple(foot))) for foot in FEET)),
+        Compound.of(tuple((Capsule(0.02, 0.3), Pose(tuple(foot))) for foot in FEET)),
         0.17,
         0.0,
     ),

@@ -45,7 +45,7 @@ def shapes(generator, count):
         Sphere(0.5),
         Capsule(0.3, 0.5),
         Cylinder(0.4, 0.8),
-        Compound(((Box((1, 0.2, 0.2)), Pose((0, 0, 0.3))), (Sphere(0.3), Pose()))),
+        Compound.of(((Box((1, 0.2, 0.2)), Pose((0, 0, 0.3))), (Sphere(0.3), Pose()))),
         Mesh(CUBE, [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5]], margin=0.02),
     ]
     return [made[k] for k in generator.integers(0, len(made), count)]
@@ -440,7 +440,7 @@ def test_parts_that_move_make_the_contacts_of_a_new_tracker():
     def figure(frame):
         places = generator.normal(size=(5, 3)) * 0.05 + [0.3 * np.arange(5).mean(), 0, 0.06]
         turns = generator.normal(size=(5, 4))
-        return Compound(
+        return Compound.of(
             tuple(
                 (hull, Pose((0.3 * k + place[0], *place[1:]), tuple(turn)))
                 for k, (hull, place, turn) in enumerate(zip(hulls, places, turns, strict=True))

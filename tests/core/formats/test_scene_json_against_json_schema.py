@@ -116,7 +116,7 @@ solids = st.one_of(
 shapes = st.one_of(
     solids,
     st.builds(
-        Compound, children=st.lists(st.tuples(solids, poses), min_size=1, max_size=2).map(tuple)
+        Compound.of, children=st.lists(st.tuples(solids, poses), min_size=1, max_size=2).map(tuple)
     ),
 )
 swept = Sine(Automation([0, 1], [40, 80])) * Keyed(Automation([0, 2], [1, 0]))
