@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Collection
+from itertools import chain
 from typing import Any
 
 import bpy
@@ -45,6 +46,17 @@ def animated_paths(datablock: Any) -> tuple[str, ...] | None:
         return None
     paths = {curve.data_path for curve in (*fcurves_of(datablock), *data.drivers)}
     return tuple(sorted(path for path in paths if not path.startswith(_TRANSFORMS)))
+
+
+def is_animated(datablock: Any, paths: Collection[str]) -> bool:
+    """Whether an action, drivers or strips of the NLA may animate one of the data paths."""
+    data = datablock.animation_data
+    if data is None:
+        return False
+    strips = (strip for track in data.nla_tracks for strip in track.strips if strip.action)
+    of_strips = (curve for strip in strips for curve in fcurves_in(strip.action))
+    curves = chain(fcurves_of(datablock), data.drivers, of_strips)
+    return any(curve.data_path in paths for curve in curves)
 
 
 def fcurves_of(datablock: Any) -> list[Any]:

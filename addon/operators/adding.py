@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 from ...core.scene.materials import MATERIALS
 from ...sample_scenes import SAMPLES, build_sample, geometry
 from ..authoring import materials
-from ..blender.compatibility import animated_paths
+from ..blender.compatibility import is_animated
 from ..blender.polling import Edit, OnActive, receiving
 from ..blender.units import metres_per_unit
 from ..properties.kinds import choice
@@ -97,7 +97,7 @@ class HAPTIC_OT_make_one_shot(OnActive):
         source.enabled = source.one_shot = True
         source.signal = "BLAST"
         source.decay = 0.005 if self.kind == "EXPLOSION" else 0.001
-        if triggers.PATH not in (animated_paths(context.object) or ()):
+        if not is_animated(context.object, {triggers.PATH}):
             source.trigger = 1.0
             context.object.keyframe_insert(triggers.PATH)
         carrier = haptic_carrier(context.object)

@@ -15,7 +15,7 @@ from ...core.design import felt, recordings, wishes
 from ...core.scene import spectra
 from ...core.scene.coefficients import coefficients_of, transfer_coefficient
 from ..blender import job
-from ..blender.compatibility import animated_paths
+from ..blender.compatibility import is_animated
 from ..blender.polling import (
     LINKED,
     OBJECT_MODE,
@@ -154,7 +154,8 @@ class HAPTIC_OT_make_felt(Edit):
         for name in names:
             if name not in means.listeners:
                 raise Refused(
-                    "'{}' can't be changed: it is linked from a library, or no listener any more",
+                    "'{}' can't be changed: its gain is animated, it is linked from a library, or "
+                    "no listener any more",
                     name,
                 )
             planned = felt.plan(result, traced.settings, name, self.margin, means)
@@ -238,7 +239,7 @@ def _means(
 def _is_free(name: str, path: str) -> bool:
     """Whether an object has a property that can be edited and that no animation sets."""
     obj = bpy.data.objects.get(name)
-    return obj is not None and is_editable(obj) and path not in (animated_paths(obj) or ())
+    return obj is not None and is_editable(obj) and not is_animated(obj, {path})
 
 
 def _make(scene: Scene, change: felt.Change) -> None:

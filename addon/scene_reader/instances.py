@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ...core.frozen import frozen
 from ..blender.arrays import read_array
 from ..blender.units import metres_per_unit
-from .roles import is_tagged
 from .world_transforms import in_metres
 
 _UNUSED = 2**31 - 1
@@ -89,15 +88,11 @@ def counts(obj: Object) -> bool:
     return obj.haptics.enabled and obj.haptics.is_property_set("surface")
 
 
-def instanced_in_vain(depsgraph: Depsgraph) -> list[Object]:
-    """The instances of collections with haptic objects that don't count."""
-    return [
-        obj
-        for obj in depsgraph.view_layer.objects
-        if obj.instance_type == "COLLECTION"
-        and obj.instance_collection is not None
-        and any(is_tagged(shown) and not counts(shown) for shown in with_instanced([obj])[1:])
-    ]
+def instanced_collections(depsgraph: Depsgraph) -> Iterator[tuple[Object, list[Object]]]:
+    """The instances of collections, and the objects that each shows."""
+    for obj in depsgraph.view_layer.objects:
+        if obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
+            yield obj, with_instanced([obj])[1:]
 
 
 def with_instanced(objects: Iterable[Object]) -> list[Object]:

@@ -6,7 +6,7 @@ bpy object is kept between calls: only session ids, row numbers and plain values
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Mapping, Set
+from collections.abc import Collection, Container, Iterator, Mapping, Set
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -43,7 +43,14 @@ from .collision_shapes import (
 from .evaluation import Evaluation
 from .imported import near, stored_item
 from .imported_contacts import ImportedContacts
-from .instances import NONE, Instances, all_matrices, haptic_instances, instanced_in_vain
+from .instances import (
+    NONE,
+    Instances,
+    all_matrices,
+    counts,
+    haptic_instances,
+    instanced_collections,
+)
 from .objects import has_body_of, read_listener, read_object, read_source
 from .parented import ParentedPoses
 from .present import present_and_disabled
@@ -879,10 +886,20 @@ def _without_carrier(obj: Object, role: str) -> Problem:
     )
 
 
-def _instance_problems(depsgraph: Depsgraph) -> tuple[Problem, ...]:
-    """The problem of haptic objects inside collection instances, which are ignored."""
-    words = iface_(
-        "the haptic objects of its collection don't count here: press Use Real Surface for them, "
-        "or Realize Instances"
-    )
-    return tuple(Problem(obj.name_full, words) for obj in instanced_in_vain(depsgraph))
+def _instance_problems(depsgraph: Depsgraph) -> Iterator[Problem]:
+    """The problems of collection instances with sources, listeners or haptic objects that are
+    ignored."""
+    for instancer, shown in instanced_collections(depsgraph):
+        if any(obj.haptics.source.enabled or obj.haptics.listener.enabled for obj in shown):
+            words = iface_(
+                "the sources and listeners of its collection don't count here: press Realize "
+                "Instances"
+            )
+        elif any(is_tagged(obj) and not counts(obj) for obj in shown):
+            words = iface_(
+                "the haptic objects of its collection don't count here: press Use Real Surface "
+                "for them, or Realize Instances"
+            )
+        else:
+            continue
+        yield Problem(instancer.name_full, words)

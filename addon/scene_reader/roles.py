@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from bpy.types import Object, Scene
 
-from ..blender.compatibility import animated_paths
+from ..blender.compatibility import is_animated
 from ..changes import revisions
 
 _SWITCHES = frozenset({"haptics.enabled", "haptics.source.enabled", "haptics.listener.enabled"})
@@ -18,7 +18,7 @@ def is_tagged(obj: Object) -> bool:
     haptics = obj.haptics
     if haptics.enabled or haptics.source.enabled or haptics.listener.enabled:
         return True
-    return obj.animation_data is not None and not _SWITCHES.isdisjoint(animated_paths(obj) or ())
+    return is_animated(obj, _SWITCHES)
 
 
 def solo_roles(objects: Iterable[Object]) -> frozenset[str]:

@@ -258,7 +258,8 @@ def begin(
     )
     if reading is None or session.reader.is_empty:
         session.request = session.result = session.last = session.shown = None
-        session.failure = ()
+        if reading is not None:
+            session.failure = reading.problems
         return
     others, errors = read_modalities(scene, reading.objects)
     # Other modalities need contacts without vibration, too.

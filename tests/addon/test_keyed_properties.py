@@ -106,3 +106,18 @@ def test_a_keyed_value_is_that_of_the_frame(scene: Any, owners: dict[str, Any], 
         setattr(group, name, first)
     assert stale == []
     assert followed >= {"Scene": 8, "Box": 12, "Tree": 0}[owner]
+
+
+def test_a_strip_of_the_nla_switches_a_source_on(scene: Any, owners: Any, add_empty: Any) -> None:
+    """Though the first frame that is read shows no role."""
+    buzzer = add_empty("Buzzer", parent=owners["Box"])
+    for frame, is_on in ((1, False), (10, True), (20, False)):
+        buzzer.haptics.source.enabled = is_on
+        buzzer.keyframe_insert("haptics.source.enabled", frame=frame)
+    data = buzzer.animation_data
+    action, data.action = data.action, None
+    data.nla_tracks.new().strips.new("strip", 1, action)
+    for frame in (1, 5, 10, 19, 20):
+        scene.frame_set(frame)
+        heard = {source.name for source in session.result_of(scene).sources}
+        assert ("Buzzer" in heard) == (10 <= frame < 20), frame

@@ -77,7 +77,7 @@ def instance(shaken: Any) -> Any:
     collection = bpy.data.collections.new("Rig")
     spring = bpy.data.objects["Second"].copy()
     spring.name = "Spring"
-    spring.haptics.surface = "CONVEX_HULL"
+    spring.haptics.surface, spring.haptics.source.enabled = "CONVEX_HULL", False
     collection.objects.link(spring)
     instance = bpy.data.objects.new("Instance", None)
     instance.instance_type, instance.instance_collection = "COLLECTION", collection

@@ -153,10 +153,15 @@ def test_all_selected_listeners_are_felt_by_one_press(weak, scene, add_box):
     assert (sensation_level(still_samples(result, 0.25), result.sample_rate) > 5.8).all()
 
 
-def test_what_is_animated_is_left_alone(weak, scene):
+@pytest.mark.parametrize("in_strip", [False, True])
+def test_what_is_animated_is_left_alone(weak, scene, in_strip):
     _, carrier = weak
     carrier.haptics.listener.gain = 0.1
     carrier.haptics.listener.keyframe_insert("gain", frame=1)
+    if in_strip:
+        data = carrier.animation_data
+        action, data.action = data.action, None
+        data.nla_tracks.new().strips.new("strip", 1, action)
     bpy.context.view_layer.update()
     assert make_felt("carrier") == {"CANCELLED"}
     assert carrier.haptics.listener.gain == pytest.approx(0.1)

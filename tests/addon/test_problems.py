@@ -250,3 +250,42 @@ def test_a_collection_instance_with_haptic_objects_is_named(
     bpy.context.view_layer.update()
     traced()
     assert session.problems_of(scene) == ()
+
+
+@pytest.mark.parametrize("role", ["source", "listener"])
+def test_sources_and_listeners_of_a_collection_instance_are_named(
+    scene, add_box, add_empty, traced, role
+):
+    """As an asset is that was dropped as an instance."""
+    collection, box = bpy.data.collections.new("rig"), add_box("drum", (0, 0, 0), (1, 1, 1))
+    scene.collection.objects.unlink(box)
+    collection.objects.link(box)
+    box.haptics.surface = "SEEN"
+    rig = add_empty("rig here")
+    rig.instance_type, rig.instance_collection = "COLLECTION", collection
+    assert traced() is not None
+    assert session.problems_of(scene) == ()
+    getattr(box.haptics, role).enabled = True
+    traced()
+    (problem,) = session.problems_of(scene)
+    assert problem.object == "rig here" and "sources and listeners" in problem.message
+    bpy.context.view_layer.objects.active = rig
+    rig.select_set(True)
+    assert bpy.ops.haptic.realize_instances() == {"FINISHED"}
+    (made,) = [obj for obj in scene.objects if obj.type == "MESH"]
+    assert getattr(made.haptics, role).enabled
+    traced()
+    assert session.problems_of(scene) == ()
+
+
+def test_an_instance_that_does_not_count_is_named_where_nothing_else_is_haptic(
+    scene, add_box, add_empty, traced
+):
+    collection, box = bpy.data.collections.new("crates"), add_box("crate", (0, 0, 0), (1, 1, 1))
+    scene.collection.objects.unlink(box)
+    collection.objects.link(box)
+    instance = add_empty("crates here")
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    assert traced() is None
+    (problem,) = session.problems_of(scene)
+    assert problem.object == "crates here" and "Use Real Surface" in problem.message
