@@ -393,8 +393,10 @@ class SceneReader:
         shapes: dict[tuple[Any, ...], SurfaceShape] = {}
         problems: dict[Problem, None] = {}
         raw = all_matrices(depsgraph)
-        stretches = _rounded(rigid_transforms(raw)[1]) if len(raw) else raw
-        for found in haptic_instances(depsgraph):
+        stretches = np.zeros((len(raw), 6))
+        shared = np.flatnonzero(read_array(depsgraph.object_instances, "is_instance", 1, np.bool_))
+        stretches[shared] = _rounded(rigid_transforms(raw[shared])[1])
+        for found in haptic_instances(depsgraph) if len(shared) else ():
             owner, name = found.owner, found.name
             instancers.add(found.instancer.session_uid)
             if found.shown.original is not None and found.shown.original != found.instancer:
