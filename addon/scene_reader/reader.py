@@ -641,6 +641,8 @@ class SceneReader:
             except ValueError as error:
                 if obj.session_uid not in self._instances.instancers:
                     problems.append(Problem(name, str(error)))
+                elif haptics.source.enabled or haptics.listener.enabled:
+                    problems.append(_only_instances(obj))
         carrier = haptic_carrier(obj)
         if carrier is not None and carrier.session_uid not in self._rows:
             # An armature keeps its body when that is deleted.
@@ -856,6 +858,15 @@ def _lost(obj: Object) -> Problem:
     words = iface_(
         "its location, rotation or scale is not a number: look for a constraint, simulation or "
         "script that fails"
+    )
+    return Problem(obj.name_full, words)
+
+
+def _only_instances(obj: Object) -> Problem:
+    """The problem of a source or listener whose only surface is that of its instances."""
+    words = iface_(
+        "it has no surface but its instances, which are no sources or listeners: use Realize "
+        "Instances"
     )
     return Problem(obj.name_full, words)
 

@@ -215,6 +215,28 @@ def test_what_geometry_nodes_scatter_touches(scene, add_box, as_mesh):
     assert len(traced().objects) == (1 if as_mesh else 2)
 
 
+def test_a_source_with_no_surface_but_its_instances_is_named(scene):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=2, y_subdivisions=2, size=4)
+    field = bpy.context.object
+    field.name = "field"
+    nodes = scatter(None, field, as_mesh=True).id_data
+    own = nodes.nodes["Group Input"].outputs[0].links
+    nodes.links.remove(next(link for link in own if link.to_node.name == "Join Geometry"))
+    make_haptic(field)
+    result = traced()
+    assert result.objects and session.problems_of(scene) == ()  # they only conduct
+    field.haptics.source.enabled = True
+    assert traced().sources == ()
+    (problem,) = session.problems_of(scene)
+    assert problem.object == "field" and "Realize Instances" in problem.message
+    realize = nodes.nodes.new("GeometryNodeRealizeInstances")
+    end = nodes.nodes["Group Output"].inputs[0]
+    nodes.links.new(end.links[0].from_socket, realize.inputs[0])
+    nodes.links.new(realize.outputs[0], end)
+    assert [source.name for source in traced().sources] == ["field"]
+    assert session.problems_of(scene) == ()
+
+
 def test_files_of_earlier_versions_have_no_instances_until_asked(crates):
     _, places = crates
     for obj in places[0].instance_collection.objects:
