@@ -8,7 +8,7 @@ from typing import Any
 from bpy.types import Context, Event, Object, Operator
 
 from ..blender import job
-from ..blender.polling import Need, OnActive
+from ..blender.polling import UNDO, Need, OnActive
 from ..blender.words import report_text
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
@@ -131,6 +131,7 @@ class HAPTIC_OT_use_signal(OnActive):
     """Let the active source emit this signal of the library"""
 
     bl_label = "Use Signal"
+    bl_options = {*UNDO, "INTERNAL"}
 
     filepath: text("File", "The signal of the library", options={"HIDDEN"})
 

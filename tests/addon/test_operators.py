@@ -99,6 +99,7 @@ def test_trace_frame_says_when_nothing_is_tagged(add_box):
         "disconnect_device",
         "copy_udev_rule",
         "choose_actuator",
+        "use_signal",
         "cancel_tracing",
     ],
 )
