@@ -7,7 +7,7 @@ import numpy as np
 from ...arrays import FloatArray, IntArray, added_by
 from ...frozen import frozen
 from ..hull import hull_2d
-from .core_pairs import CorePairs
+from .core_pairs import CorePairs, by_piece
 from .frames import dot, upwards
 from .manifold import ROUGHNESS, Patches, contact_plane, within_of
 
@@ -49,11 +49,11 @@ class PairPatches:
 
 @frozen
 class CoreContacts:
-    """Pairs of cores in contact: ``owner`` the pair of bodies, ``cores`` the numbers (2, n)
-    of both, ``distance`` between the surfaces, ``normal``, ``centre`` of the patch, ``weight``
-    (area in square metres; that of a line is tiny, in proportion to its length), reported ``area``,
-    the metres ``within`` which the contact counts beyond the nearest one of the same cores,
-    ``corners``."""
+    """Pairs of cores in contact: ``owner`` the pair of bodies, ``cores`` the numbers of both and
+    of their pieces (3, n), ``distance`` between the surfaces, ``normal``, ``centre`` of the patch,
+    ``weight`` (area in square metres; that of a line is tiny, in proportion to its length),
+    reported ``area``, the metres ``within`` which the contact counts beyond the nearest one of the
+    same pieces, ``corners``."""
 
     owner: IntArray
     cores: IntArray
@@ -89,7 +89,7 @@ def core_contacts(
     within = np.maximum(within_of(patch.area), patch.reach)
     return CoreContacts(
         rows.owner,
-        np.array([rows.first, rows.second]),
+        np.array([rows.first, rows.second, rows.first * 0 if rows.piece is None else rows.piece]),
         distance,
         outward,
         patch.centre,
@@ -102,7 +102,8 @@ def core_contacts(
 
 def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> PairPatches:
     """One patch per pair of bodies from those of its cores and triangles, weighted by their areas
-    and by how near they are beside the nearest one of the same two cores, and of all cores."""
+    and by how near they are beside the nearest one of the same pieces of two cores,
+    and of all."""
     count = len(distance)
     normal = upwards(count)
     centre = np.zeros((3, count))
@@ -125,8 +126,9 @@ def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> P
         kept = np.ones(len(owner), dtype=np.bool_)
     else:
         np.minimum.at(distance, owner, each)
-        most_a, most_b = cores.max(axis=1) + 1
+        most_a, most_b, _ = cores.max(axis=1) + 1
         _, of = np.unique((owner * most_a + cores[0]) * most_b + cores[1], return_inverse=True)
+        of = by_piece(of, cores[2])
         least = np.full(len(owner), np.inf)
         np.minimum.at(least, of, each)
         near = _near(each - least[of], within)

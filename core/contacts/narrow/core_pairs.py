@@ -26,7 +26,7 @@ from .frames import chunks, dot, product, relative, turned, turned_back
 from .manifold import most_within
 from .mesh_index import MeshIndex
 from .surfaces import CoreSurface, Surfaces
-from .triangles import apart_by, beside
+from .triangles import apart_by, beside, triangle_to_triangle
 
 BEYOND = 1e-9
 """Metres beyond the limit of a query at which a distance is reported where only a lower bound is
@@ -37,6 +37,11 @@ _AT_ONCE = 1 << 14
 
 _OPPOSITE = -1e-3
 """Cosine of the angle between the outward normals of two faces below which they face each other."""
+
+
+_Triangles = tuple[IntArray, IntArray, IntArray, IntArray]
+"""Pairs of triangles (m,) of rows: number of the row, of both triangles, and which pieces they
+belong to, see `CorePairs`."""
 
 
 @dataclass(slots=True)
@@ -50,6 +55,7 @@ class CorePairs:
         rotation_a, centre_a, rotation_b, centre_b: (3, 3, n), (3, n) poses of the cores [m].
         radius_a, radius_b: (n,) by which the cores are grown [m].
         triangle_a, triangle_b: (n,) number of a triangle, in place of a core that is a mesh.
+        piece: (n,) of triangles: which pieces of the same two cores they belong to, as a number.
     """
 
     owner: IntArray
@@ -64,6 +70,7 @@ class CorePairs:
     radius_b: FloatArray
     triangle_a: IntArray | None = None
     triangle_b: IntArray | None = None
+    piece: IntArray | None = None
 
     def __len__(self) -> int:
         return len(self.owner)
@@ -182,13 +189,16 @@ class CorePairing:
         bounds = np.stack([middle - half, middle + half]).transpose(2, 0, 1)
         row = []
         triangle = []
+        piece = []
         for core in np.unique(rows.second).tolist():
             mine = np.flatnonzero(rows.second == core)
             box, near = self.mesh(core).near(bounds[mine])
             row.append(mine[box])
             triangle.append(near)
+            piece.append(self._surfaces[core].piece[near])
         expanded = chosen_of(rows, np.concatenate(row))
         expanded.triangle_b = np.concatenate(triangle)
+        expanded.piece = np.concatenate(piece)
         return expanded
 
     def near_triangles(
@@ -200,21 +210,18 @@ class CorePairing:
         near = partial(self._near_of_alike, beyond=beyond)
         return self.with_triangles(rows, *self._triangles(rows, distance, near))
 
-    def facing_triangles(
-        self, rows: CorePairs, reach: FloatArray, margin: float
-    ) -> tuple[IntArray, IntArray, IntArray]:
+    def facing_triangles(self, rows: CorePairs, reach: FloatArray, margin: float) -> _Triangles:
         """The pairs of triangles, within ``reach`` (n,) [m], that look at each other and may lie
         over each other, seen along the normal of either; where one surface is a solid, only
-        triangles within ``margin`` [m] of its bounds. Number of the row, of the first and of the
-        second triangle (m,)."""
+        triangles within ``margin`` [m] of its bounds."""
         return self._triangles(rows, reach, partial(self._facing_of_alike, margin=margin))
 
     def with_triangles(
-        self, rows: CorePairs, number: IntArray, first: IntArray, second: IntArray
+        self, rows: CorePairs, number: IntArray, first: IntArray, second: IntArray, piece: IntArray
     ) -> CorePairs:
         """Pairs of triangles (m,) of the ``rows`` of these numbers (m,)."""
         expanded = chosen_of(rows, number)
-        expanded.triangle_a, expanded.triangle_b = first, second
+        expanded.triangle_a, expanded.triangle_b, expanded.piece = first, second, piece
         return expanded
 
     def _triangles(
@@ -224,15 +231,15 @@ class CorePairing:
         of_alike: Callable[
             [CoreSurface, CoreSurface, _Placing, FloatArray], tuple[IntArray, IntArray, IntArray]
         ],
-    ) -> tuple[IntArray, IntArray, IntArray]:
-        """Call ``of_alike`` for the rows of each pair of surfaces, and join what it finds: number
-        of the row, of the first and of the second triangle (m,), in order of the rows."""
+    ) -> _Triangles:
+        """Call ``of_alike`` for the rows of each pair of surfaces, and join what it finds, in order
+        of the rows."""
         alike: dict[tuple[int, int], list[int]] = {}
         for k, pair in enumerate(zip(rows.first.tolist(), rows.second.tolist(), strict=True)):
             one, other = (id(self._surfaces[core]) for core in pair)
             alike.setdefault((one, other), []).append(k)
         none = np.zeros(0, dtype=np.int64)
-        found: list[tuple[IntArray, IntArray, IntArray]] = [(none, none, none)]
+        found: list[_Triangles] = [(none, none, none, none)]
         for numbers in map(np.array, alike.values()):
             some = chosen_of(rows, numbers)
             turn = relative(some.rotation_b, some.rotation_a)
@@ -242,10 +249,12 @@ class CorePairing:
                 self._surfaces[int(core[numbers[0]])] for core in (rows.first, rows.second)
             )
             row, mine, theirs = of_alike(first, second, placing, reach[numbers])
-            found.append((numbers[row], mine, theirs))
-        number, of_first, of_second = (np.concatenate(parts) for parts in zip(*found, strict=True))
+            found.append((numbers[row], mine, theirs, _pieces(first, mine, second, theirs)))
+        number, of_first, of_second, piece = (
+            np.concatenate(parts) for parts in zip(*found, strict=True)
+        )
         order = np.argsort(number, kind="stable")
-        return number[order], of_first[order], of_second[order]
+        return number[order], of_first[order], of_second[order], piece[order]
 
     def _near_of_alike(
         self,
@@ -267,11 +276,21 @@ class CorePairing:
             apart_by(taken(corners, mine[part]), taken(second.corners, theirs[part]))
             for part in chunks(len(mine))
         ]
+        bound = np.concatenate(apart)
         most = distance[pair]
         if beyond > 0:
             radius = np.minimum(first.radii[near[mine]], second.radii[theirs])
+            piece = _pieces(first, near[mine], second, theirs)
+            if piece.any():
+                of = by_piece(pair, piece)
+                order = np.lexsort((bound, of))
+                lowest = order[runs(of[order])[0]]
+                least = triangle_to_triangle(
+                    taken(corners, mine[lowest]), taken(second.corners, theirs[lowest])
+                ).distance
+                most = np.minimum(np.maximum(most, least[of]), reach[pair])
             most = most + np.minimum(most_within(radius), beyond)
-        possible = (np.concatenate(apart) <= most).nonzero()[0]
+        possible = (bound <= most).nonzero()[0]
         return pair[possible], near[mine[possible]], theirs[possible]
 
     def _facing_of_alike(
@@ -335,6 +354,18 @@ class CorePairing:
             mine = mesh == core
             local[..., mine] = taken(self._surfaces[core].corners, triangle[mine])
         return turned(rotation, local) + centre[:, None]
+
+
+def _pieces(first: CoreSurface, mine: IntArray, second: CoreSurface, theirs: IntArray) -> IntArray:
+    """Which pieces of two surfaces triangles (n,) of the first and of the second belong to."""
+    return first.piece[mine] * second.pieces + second.piece[theirs]
+
+
+def by_piece(group: IntArray, piece: IntArray) -> IntArray:
+    """Numbers (n,) of the groups into which each ``group`` (n,) is divided by ``piece`` (n,)."""
+    if not piece.any():
+        return group
+    return np.unique(group * (piece.max() + 1) + piece, return_inverse=True)[1]
 
 
 def _in_boxes(

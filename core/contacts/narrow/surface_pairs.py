@@ -20,7 +20,7 @@ from ...frozen import frozen
 from .body_patches import CoreContacts, core_contacts, reduced
 from .closed_forms import nearest_on_triangle
 from .convex import ConvexDistances
-from .core_pairs import CorePairing, CorePairs
+from .core_pairs import CorePairing, CorePairs, by_piece
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind, Size
 from .deepest import MARGIN, WITHIN, examine_deepest
@@ -74,15 +74,16 @@ class _CrossingCurve:
 
 @frozen
 class _Faces:
-    """Triangles (n,) that look at each other: the number of the ``pair`` of surfaces and of both
-    triangles, their corners (3, 3, n), outward normals (3, n), and the ``area`` (n,) of the smaller
-    one [m^2]; ``turned``: only the other side of a shell does. Signed separations along both
-    normals: at least ``bound``, ``behind`` if the first were on the other side of the second
-    [m]."""
+    """Triangles (n,) that look at each other: the number of the ``pair`` of surfaces, of both
+    triangles, and of their ``piece``, their corners (3, 3, n), outward normals (3, n), and the
+    ``area`` (n,) of the smaller one [m^2]; ``turned``: only the other side of a shell does. Signed
+    separations along both normals: at least ``bound``, ``behind`` if the first were on the other
+    side of the second [m]."""
 
     pair: IntArray
     triangle_a: IntArray
     triangle_b: IntArray
+    piece: IntArray
     first: FloatArray
     second: FloatArray
     normal_a: FloatArray
@@ -95,7 +96,7 @@ class _Faces:
     @classmethod
     def of(
         cls,
-        numbers: tuple[IntArray, IntArray, IntArray],
+        numbers: tuple[IntArray, IntArray, IntArray, IntArray],
         first: FloatArray,
         second: FloatArray,
         shell_a: BoolArray,
@@ -515,7 +516,8 @@ class SurfacePairs:
             found.append(self._lying_on_each_other(several, faces, part))
             return found[-1][0].face, found[-1][0].depth
 
-        examine_deepest(way, faces.bound, -most[chosen][faces.pair], faces.within(), examine)
+        group = by_piece(way, faces.piece)
+        examine_deepest(group, faces.bound, -most[chosen][faces.pair], faces.within(), examine)
         lying = joined([faces for faces, _ in found])
         patch = joined([patch for _, patch in found])
         order = lying.face.argsort()
@@ -524,7 +526,7 @@ class SurfacePairs:
         side = way[lying.face]
         sunk = lying.depth < -_TOUCHING
         through = np.zeros((len(pairs), 2), dtype=np.bool_)
-        through.reshape(-1)[side[sunk]] = True
+        through.reshape(-1)[side[lying.depth < _TOUCHING]] = True
         deepest = np.zeros((len(pairs), 2))
         np.minimum.at(deepest.reshape(-1), way, faces.bound)
         farther = 2 * np.arange(len(pairs)) + deepest.argmin(axis=1)
@@ -547,16 +549,18 @@ class SurfacePairs:
         triangles = self._pairing.facing_triangles(pairs, reach, _REACH)
         found = []
         for part in chunks(len(triangles[0])):
-            number, one, other = (numbers[part] for numbers in triangles)
-            first, second = self._corners(self._pairing.with_triangles(pairs, number, one, other))
-            faces = _Faces.of((number, one, other), first, second, shell[number])
-            possible = (faces.bound < _REACH) & (faces.behind <= reach[number])
+            number, one, other, piece = (numbers[part] for numbers in triangles)
+            rows = self._pairing.with_triangles(pairs, number, one, other, piece)
+            faces = _Faces.of((number, one, other, piece), *self._corners(rows), shell[number])
+            possible = (faces.bound < _REACH) & (faces.behind <= reach[faces.pair])
             found.append(chosen_of(faces, possible))
         return joined(found)
 
     def _placed(self, pairs: CorePairs, faces: _Faces) -> CorePairs:
         """Rows of ``faces`` of ``pairs``."""
-        return self._pairing.with_triangles(pairs, faces.pair, faces.triangle_a, faces.triangle_b)
+        return self._pairing.with_triangles(
+            pairs, faces.pair, faces.triangle_a, faces.triangle_b, faces.piece
+        )
 
     def _lying_on_each_other(
         self, pairs: CorePairs, faces: _Faces, chosen: IntArray
@@ -655,7 +659,7 @@ class SurfacePairs:
             corners = None if facing.corners is None else list(patch.corners)
         distance = -min(depth, most) - row.radius_a - row.radius_b
         areas = np.full(1, area)
-        cores = np.array([row.first, row.second])
+        cores = np.array([row.first, row.second, np.zeros(1, dtype=np.int64)])
         within = np.full(1, _REACH)
         return CoreContacts(
             row.owner, cores, distance, normal, centre, areas, areas, within, corners

@@ -9,15 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
+from ...arrays import BoolArray, FloatArray, IntArray, connected
 from ...frozen import frozen
 from .cores import Core, CoreTable
+from .frames import dot
 from .mesh_index import MeshIndex
 from .triangles import unit_normals
 
 _MOST_IN_PART = 16_384
 """Triangles of which FCL builds a tree at a time. It holds Python's lock meanwhile, for about 3
 microseconds a triangle, and Blender isn't drawn."""
+
+_APART = np.array([1.0, math.pi, math.e])
+"""By which points add up to numbers that are equal only where the points are."""
 
 _ROUNDING = 1e-6
 """Metres by which distances of bounds are reduced, so that rounding leaves them lower bounds."""
@@ -65,6 +69,7 @@ class CoreSurface:
     """The triangles of a core in its own frame, by their bounds: their ``corners`` (3, 3, t) by
     coordinate and corner and, without repetition, ``points`` (n, 3); their ``middles`` (3, t) and
     the radii (t,) of spheres around these, and unit ``normals`` (3, t).
+    ``piece`` (t,): the number of the connected piece that each belongs to, of ``pieces``.
     ``depth`` [m]: how far beneath the surface a body touches it; 0 of a shell, infinite of a hull.
     ``size`` [m]: the smallest extent of a solid, infinite of a shell."""
 
@@ -76,6 +81,8 @@ class CoreSurface:
     low: FloatArray
     high: FloatArray
     points: FloatArray
+    piece: IntArray
+    pieces: int
     depth: float
     size: float
     parts: tuple[SurfacePart, ...]
@@ -90,11 +97,15 @@ class CoreSurface:
             points, triangles, depth = core.hull.points, core.hull.triangles, core.sunk_in
         if depth > 0 and np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points)) < 3:
             depth = 0.0  # flat
+            if core.mesh is None:  # whose hull has both sides
+                across = unit_normals(points[triangles].transpose(2, 1, 0))
+                triangles = triangles[dot(across, across[:, :1]) > 0]
         low, high = core.bounds()
         size = float(np.min(high - low)) + 2 * core.radius[0] if depth > 0 else np.inf
         index = MeshIndex.of(points[triangles])
         corners = np.ascontiguousarray(index.corners.transpose(2, 1, 0))
         middles = corners.mean(axis=1)
+        piece, pieces = _pieces(points, triangles[index.number])
         return cls(
             index,
             corners,
@@ -104,6 +115,8 @@ class CoreSurface:
             low,
             high,
             points[np.unique(triangles)],
+            piece,
+            pieces,
             depth,
             size,
             tuple(_parts(points, triangles, index.number)),
@@ -131,6 +144,16 @@ def _parts(points: FloatArray, triangles: IntArray, order: IntArray) -> Iterator
     for part in np.array_split(order, math.ceil(len(order) / _MOST_IN_PART)):
         used, corners = np.unique(triangles[np.sort(part)], return_inverse=True)
         yield SurfacePart.of(points[used], corners.reshape(-1, 3))
+
+
+def _pieces(points: FloatArray, triangles: IntArray) -> tuple[IntArray, int]:
+    """The number (t,) of the piece of each of the ``triangles`` (t, 3), and how many pieces there
+    are that have no point in common, be it repeated."""
+    _, place = np.unique(points @ _APART, return_inverse=True)
+    corners = place[triangles]
+    label = connected(corners[:, [0, 1, 1, 2]].reshape(-1, 2), len(points))
+    first, piece = np.unique(label[corners[:, 0]], return_inverse=True)
+    return piece, len(first)
 
 
 def _side(start: FloatArray, end: FloatArray) -> IntArray:

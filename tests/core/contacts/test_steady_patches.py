@@ -3,12 +3,14 @@ flat faces are the faces themselves."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.hull import convex_hull
 from haptic_tracing.core.contacts.motion import rotations
+from haptic_tracing.core.contacts.narrow.manifold import ROUGHNESS
 from haptic_tracing.core.contacts.narrow.narrow_phase import NarrowPhase
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import (
@@ -21,8 +23,15 @@ from haptic_tracing.core.contacts.shapes import (
     Mesh,
     Sphere,
 )
-from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener, Pose, Source
-from level_properties import changes_of_moved_bodies, of_measured_materials
+from haptic_tracing.core.scene.values import (
+    HapticObject,
+    HapticScene,
+    Listener,
+    Pose,
+    Source,
+    Strategy,
+)
+from level_properties import changes_of_moved_bodies, decibels, of_measured_materials, traced
 
 GROUND = HapticObject("ground", 0.1, 0.9, shape=Box((40, 40, 1)), pose=Pose((0, 0, -0.5)))
 
@@ -223,10 +232,17 @@ def table() -> Mesh:
     """One mesh of a top and four legs of 4 cm by 4 cm that end at 0."""
     boxes = [(foot + np.array([0.0, 0.0, 0.35]), (0.04, 0.04, 0.7)) for foot in FEET]
     boxes.append((np.array([0.0, 0.0, 0.72]), (1.0, 0.8, 0.04)))
-    hulls = [convex_hull(middle + corners_of(size)) for middle, size in boxes]
+    return joined([middle + corners_of(size) for middle, size in boxes])
+
+
+def joined(parts: list[np.ndarray], sunk_in: float = 0.0) -> Mesh:
+    """One mesh of the hulls of points (n, 3)."""
+    hulls = [convex_hull(points) for points in parts]
+    first = np.cumsum([0] + [len(hull.points) for hull in hulls])
     return Mesh(
         np.concatenate([hull.points for hull in hulls]),
-        np.concatenate([hull.triangles + 8 * k for k, hull in enumerate(hulls)]),
+        np.concatenate([hull.triangles + k for k, hull in zip(first, hulls, strict=False)]),
+        sunk_in=sunk_in,
     )
 
 
@@ -267,6 +283,84 @@ def test_a_body_stands_on_all_its_feet(floor, body, sunk, tilt):
     middle = found.positions[0].mean(axis=0)
     assert np.abs(middle[:2]).max() < 0.01
     assert found.area[0] == pytest.approx(area, rel=0.05)
+
+
+TURN, RISE = 2 * np.pi * np.arange(16) / 16, np.pi * np.arange(9) / 8
+FOOT = {
+    "ball": 0.02 * np.array([(0, 0, 1)])
+    - 0.02
+    * np.stack(
+        [
+            np.outer(np.sin(RISE), np.cos(TURN)),
+            np.outer(np.sin(RISE), np.sin(TURN)),
+            np.outer(np.cos(RISE), np.ones(16)),
+        ],
+        axis=-1,
+    ).reshape(-1, 3),
+    "cone": np.array(
+        [(0.0, 0.0, 0.0), *((0.03 * math.cos(turn), 0.03 * math.sin(turn), 0.4) for turn in TURN)]
+    ),
+}
+
+
+def tipped(
+    foot: str, places: list[np.ndarray], floor: str, tilt: float, sunk: float, sunk_in: float
+) -> HapticScene:
+    """A mesh with feet at these places, lifted by ``tilt`` on that side where x is negative, with
+    a listener in the floor beneath each and a source above."""
+    ground, level = FLOORS[floor]
+    turned = math.cos(tilt / 2), 0.0, math.sin(tilt / 2), 0.0
+    raised = max(place[0] for place in places) * math.sin(tilt) - sunk
+    shape = joined([FOOT[foot] + place for place in places], sunk_in)
+    return HapticScene(
+        (
+            HapticObject("floor", 0.1, 0.9, shape=ground, pose=Pose((0.0, 0.0, level))),
+            HapticObject("body", 0.1, 0.9, shape=shape, pose=Pose((0.0, 0.0, raised), turned)),
+        ),
+        (),
+        (Source("s", "body", (0.0, 0.0, 0.7)),),
+        tuple(Listener(f"l{k}", "floor", tuple(place)) for k, place in enumerate(places)),
+    )
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+@pytest.mark.parametrize("foot", FOOT)
+@pytest.mark.parametrize("places", [FEET, FEET[:3]], ids=["four", "three"])
+@pytest.mark.parametrize("sunk_in", [0.0, 0.05], ids=["shell", "solid"])
+@pytest.mark.parametrize("sunk", [0.0, 0.0005])
+def test_one_mesh_stands_on_all_its_round_or_pointed_feet(floor, foot, places, sunk_in, sunk):
+    """Each counts as much: fully up to half of `ROUGHNESS` above the lowest, then by the square of
+    what is left to `ROUGHNESS`."""
+    levels = []
+    for tilt in (0.0, 1e-4, 1e-3, 5e-3, 1e-2):
+        scene = tipped(foot, places, floor, tilt, sunk, sunk_in)
+        found = contacts_of_scene(scene)
+        assert len(found) == 1
+        height = np.array([0.4 - place[0] for place in places]) * math.sin(tilt)
+        weight = np.clip(2 - 2 * height / ROUGHNESS, 0, 1) ** 2
+        expected = weight @ np.array(places) / weight.sum()
+        assert np.abs(found.positions[0].mean(axis=0) - expected)[:2].max() < 0.002
+        touching = dataclasses.replace(scene, contacts=tuple(found.to_contacts(["floor", "body"])))
+        levels.append(traced(touching, Strategy.AUTO).gain[0])
+    assert decibels(levels[0], levels[1]).max() < 0.5
+
+
+@pytest.mark.parametrize("floor", ["plane", "mesh"])
+@pytest.mark.parametrize("thick", [0.01, 0.04, 0.7])
+@pytest.mark.parametrize("sunk", [0.0, 1e-4, 5e-4])
+def test_solid_feet_leave_a_floor_without_thickness_upwards(floor, thick, sunk):
+    """However thin they are, and by the area of one side of the floor."""
+    blocks = joined(
+        [foot + np.array([0.0, 0.0, thick / 2]) + corners_of((0.04, 0.04, thick)) for foot in FEET],
+        0.05,
+    )
+    body = HapticObject("body", 0.1, 0.9, shape=blocks, pose=Pose((0.0, 0.0, -sunk)))
+    found = contacts_of_scene(
+        HapticScene((HapticObject("floor", 0.1, 0.9, shape=FLOORS[floor][0]), body))
+    )
+    assert found.distance[0] == pytest.approx(-sunk, abs=1e-7)
+    assert found.area[0] == pytest.approx(4 * 0.04**2, rel=1e-6)
+    np.testing.assert_allclose(found.normal[0], [0, 0, 1], atol=1e-6)
 
 
 @pytest.mark.parametrize("degrees", [1.7, 2.0, 2.5, 3.0, 5.0])
