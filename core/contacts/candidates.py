@@ -14,15 +14,7 @@ from .narrow.body_patches import PairPatches
 from .narrow.frames import dot, smooth_step, turned, turned_back
 
 _RESTING = 0.2
-"""Part of the tolerance up to which a gap counts as that of bodies at rest; up to twice that,
-corners and edges touch."""
-
-_EDGE_WEIGHT = 0.1
-"""Weight of a corner or an edge of a box that is near but does not touch, relative to faces at the
-same distance."""
-
-_FACING = 0.05
-"""Part of a body's face covered by the patch at which the contact counts half as one of faces."""
+"""Part of the tolerance up to which a gap counts as that of bodies at rest."""
 
 # Rows of `Candidates.values`, in the frame of the larger body unless said otherwise: centre of the
 # smaller body's bounds, its rotation, the contact node on the larger body and (in the frame of the
@@ -184,50 +176,16 @@ class Candidates:
             depth=np.maximum(-distance, 0.0),
             distance=distance,
             area=values[_AREA],
-            weight=_weights(larger, smaller, values, table, tolerance),
+            weight=_weights(distance, tolerance),
             transmission=np.zeros(len(rows), dtype=np.int64),
         )
 
 
-def _weights(
-    larger: IntArray,
-    smaller: IntArray,
-    values: FloatArray,
-    table: BodyTable,
-    tolerance: float,
-) -> FloatArray:
-    """Weights of contacts (k,): 1 up to the gap of bodies at rest, falling smoothly to 0 at the
-    tolerance.
-
-    Boxes that do not touch are also weighted by the patch's area relative to the face of the
-    smaller one: their nearest edges do not face each other as round bodies do.
-
-    Args:
-        larger: numbers of the larger bodies (k,).
-        smaller: numbers of the smaller bodies (k,).
-        values: of the pairs, see `Candidates` (rows, k).
-        table: of the bodies.
-        tolerance: largest distance of a contact [m].
-    """
-    distance = values[DISTANCE]
+def _weights(distance: FloatArray, tolerance: float) -> FloatArray:
+    """Weights of contacts by their ``distance`` (k,) [m]: 1 up to the gap of bodies at rest,
+    falling smoothly to 0 at the ``tolerance`` [m]."""
     rest = _RESTING * tolerance
-    near = 1.0 - smooth_step((distance - rest) / max(tolerance - rest, 1e-300))
-    if not (near < 1).any():
-        return near
-    touch = 1.0 - smooth_step((distance - rest) / max(rest, 1e-300))
-    turn = values[_TURN].reshape(3, 3, -1)
-    faces = []
-    for bodies, way in (
-        (larger, values[NORMAL]),
-        (smaller, turned_back(turn, values[NORMAL])),
-    ):
-        x, y, z = table.extent.take(bodies, axis=1)
-        faces.append(4 * dot(np.abs(way), np.array([y * z, z * x, x * y])))
-    area = values[_AREA]
-    facing = area / np.maximum(area + _FACING * np.minimum(*faces), 1e-300)
-    is_box = table.narrow.is_box
-    facing = np.where(is_box[larger] & is_box[smaller], facing, 1.0)
-    return near * (touch + (1.0 - touch) * (_EDGE_WEIGHT + (1.0 - _EDGE_WEIGHT) * facing))
+    return 1.0 - smooth_step((distance - rest) / max(tolerance - rest, 1e-300))
 
 
 def placed(pose: FloatArray, points: FloatArray) -> FloatArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from haptic_tracing.core.contacts.hull import convex_hull
 from haptic_tracing.core.contacts.motion import rotations
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.settings import Body
@@ -17,8 +18,22 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull as SciPyHull
 from scipy.spatial import HalfspaceIntersection
+from scipy.spatial.transform import Rotation
 
 BRICK = np.array([1.0, 0.5, 0.5])
+CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+
+
+def bevelled(bevel):
+    """A brick whose edges are cut off, as far as ``bevel`` along both faces."""
+    return ConvexHull(
+        np.concatenate([CORNERS * (BRICK / 2 - bevel * (1 - axis)) for axis in np.eye(3)])
+    )
+
+
+def rotation_vector(turn, first):
+    """The rotation vector of a ``turn`` after that of ``first``."""
+    return (Rotation.from_rotvec(turn) * Rotation.from_rotvec(first)).as_rotvec()
 
 
 def placed(places, turns):
@@ -97,7 +112,7 @@ def test_a_brick_that_tips_and_slides(shapes, seed, tilt):
 @given(seed=st.integers(0, 10**6), apart=st.tuples(st.floats(-1e-3, 8e-3), st.floats(-1e-3, 8e-3)))
 def test_diagonal_bricks(seed, apart):
     """Edges that lie along each other: the centre stays in the middle of what both have in common,
-    however they tremble, and where they do not touch they weigh little beside faces as near."""
+    however they tremble, and they weigh as much as faces that are as near."""
     generator = np.random.default_rng(seed)
     along = generator.uniform(-0.3, 0.3)
     turns = generator.uniform(-1e-4, 1e-4, (2, 3))
@@ -109,9 +124,50 @@ def test_diagonal_bricks(seed, apart):
     np.testing.assert_allclose(
         centre, [0.5 + apart[0] / 2, along / 2, 0.25 + apart[1] / 2], atol=0.06
     )
-    if distance > 0.004:
-        face = contact(BRICKS, [(0, 0, 0), (0, 0, 0.5 + distance)], np.zeros((2, 3)))
-        assert weight < 0.3 * face[2]
+    face = contact(BRICKS, [(0, 0, 0), (0, 0, 0.5 + distance)], np.zeros((2, 3)))
+    assert weight == pytest.approx(face[2], abs=1e-6)
+
+
+EDGE, DIAGONAL = (np.pi / 4, 0.0, 0.0), 0.5 * np.sqrt(2.0)
+CORNER = np.arctan2(1.0, DIAGONAL)
+"""Turn about y that puts the corner lowest of a brick that stands on an edge."""
+
+
+@pytest.mark.parametrize(
+    ("turn", "other", "apart"),
+    [
+        (EDGE, EDGE, DIAGONAL),
+        (rotation_vector((0.0, 0.0, np.pi / 2), EDGE), EDGE, DIAGONAL),
+        (rotation_vector((0.0, 0.0, 0.2), EDGE), EDGE, DIAGONAL),
+        (EDGE, (0.0, 0.0, 0.0), 0.25 + DIAGONAL / 2),
+        (rotation_vector((0.0, CORNER, 0.0), EDGE), (0.0, 0.0, 0.0), 0.25 + 0.5 * np.sqrt(1.5)),
+    ],
+    ids=["edges along", "edges across", "edges aslant", "edge on face", "corner on face"],
+)
+@pytest.mark.parametrize("gap", [0.001, 0.003, 0.005, 0.006, 0.008])
+def test_edges_weigh_as_much_whatever_shape_says_that_they_are_there(turn, other, apart, gap):
+    """Bricks as boxes, as meshes, and as the hulls that are left as their edges are bevelled by ever
+    less: by the distance alone, as no bevel is too small to be a round edge."""
+    hull = convex_hull(CORNERS * BRICK / 2)
+    found = {
+        "box": BRICKS[0],
+        "mesh": Mesh(hull.points, hull.triangles),
+        "solid": Mesh(hull.points, hull.triangles, sunk_in=0.05),
+        **{bevel: bevelled(bevel) for bevel in (1e-3, 1e-4, 1e-5)},
+    }
+    weight = {}
+    for name, shape in found.items():
+        *_, weight[name], distance = contact(
+            (shape, shape), [(0, 0, 0), (0, 0, apart + gap)], [other, turn]
+        )
+        assert distance == pytest.approx(gap, abs=1e-6 + 2 * (0 if isinstance(name, str) else name))
+    share = min(max((gap - 0.002) / 0.008, 0.0), 1.0)
+    expected = 1 - share * share * (3 - 2 * share)
+    for name in ("box", "mesh", "solid"):
+        assert weight[name] == pytest.approx(expected, rel=1e-3)
+    error = [abs(weight[bevel] - weight["box"]) for bevel in (1e-3, 1e-4, 1e-5)]
+    assert error[0] >= error[1] >= error[2]
+    assert abs(20 * np.log10(weight[1e-5] / weight["box"])) < 0.2
 
 
 @pytest.mark.slow
