@@ -7,11 +7,12 @@ In scenes without haptic objects they return without loading the core.
 from __future__ import annotations
 
 import sys
+from collections.abc import Container
 from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.app.handlers import persistent
-from bpy.types import Collection, Depsgraph, DepsgraphUpdate, Mesh, Object, Scene
+from bpy.types import ID, Depsgraph, DepsgraphUpdate, Mesh, Object, Scene
 
 from ..authoring import materials
 from ..bake import playback
@@ -234,8 +235,9 @@ def _mark_changes(depsgraph: Depsgraph) -> None:
     ]
     if edits:
         world = depsgraph.scene.rigidbody_world
-        bodies = None if world is None else world.collection
-        if any(_concerns_others(edit, bodies) for edit in edits):
+        expected: set[ID | None] = {None if world is None else world.collection}
+        expected |= {edit.id.original for edit in edits if isinstance(edit.id, Mesh)}
+        if any(_concerns_others(edit, expected) for edit in edits):
             mark_changed()
         elif bpy.app.version >= (5, 0, 0):
             mark_changed(())
@@ -250,16 +252,18 @@ def _mark_changes(depsgraph: Depsgraph) -> None:
             )
 
 
-def _concerns_others(update: DepsgraphUpdate, bodies: Collection | None) -> bool:
+def _concerns_others(update: DepsgraphUpdate, expected: Container[ID | None]) -> bool:
     """Whether an update may have changed more than what every reading compares, the settings of
-    the scene, and what it names to `SceneReader.note`, an object or mesh. Blender names the
-    collection of the rigid ``bodies`` whenever one of them moves."""
+    the scene, and what it names to `SceneReader.note`, an object or mesh. ``expected``: the
+    collection of the rigid bodies, which Blender names whenever one of them moves, and meshes, with
+    which it names all objects that share them."""
     changed = update.id and update.id.original
     if isinstance(changed, Object):
-        return not (update.is_updated_transform or update.is_updated_geometry)
+        shares = update.is_updated_geometry and changed.data in expected and not changed.modifiers
+        return not (update.is_updated_transform or shares)
     if isinstance(changed, Mesh):
         return not update.is_updated_geometry
-    return not isinstance(changed, Scene) and changed != bodies
+    return not isinstance(changed, Scene) and changed not in expected
 
 
 def _noted(depsgraph: Depsgraph, names_all: bool = False) -> Evaluation | None:

@@ -84,6 +84,7 @@ class SceneReader:
         self._disabled: frozenset[int] = frozenset()  # session ids, see `present_and_disabled`
         self._tagged: dict[int, Tagged] = {}  # by row
         self._rows: dict[int, int] = {}  # of the tagged objects, by session id
+        self._names: dict[int, str] = {}  # the same, of their full names
         self._shapes: dict[
             int, tuple[Any, Any, SurfaceShape]
         ] = {}  # by session id: what it was built from, its mesh's checksum, and the shape
@@ -167,6 +168,9 @@ class SceneReader:
     def note(self, evaluation: Evaluation) -> None:
         """Make the next `read` compare what an evaluation may have changed."""
         self._evaluations += 1
+        changed = evaluation.objects
+        if any(changed[k].name_full != self._names[k] for k in changed.keys() & self._names.keys()):
+            self.forget()
         self._unchecked |= evaluation.edited
         self._bodies |= evaluation.bodies
         self._tables = None if evaluation.joints else self._tables
@@ -335,6 +339,7 @@ class SceneReader:
         }
         self._meant.follow(depsgraph.scene, tagged.values())
         self._rows = {obj.session_uid: row for row, obj in tagged.items()}
+        self._names = {obj.session_uid: obj.name_full for obj in tagged.values()}
         self._lists = None
         self._rebuilt = {}
         self._curves.clear()

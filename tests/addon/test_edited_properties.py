@@ -145,3 +145,24 @@ def test_one_edit_reads_one_object(touching, monkeypatch, physics):
         assert set(read) <= {"crate", "other", "floor"}
     else:
         assert read == ["crate"]
+
+
+@pytest.mark.parametrize("beside", ["move", "vertex", "kappa", "body", "frame"])
+def test_a_new_name_counts_beside_other_edits_of_a_script(touching, beside):
+    crate = bpy.data.objects["crate"]
+    session.result_of(touching)
+    crate.name = "box"
+    if beside == "move":
+        crate.location.z += 0.001
+    elif beside == "vertex":
+        crate.data.vertices[0].co.z += 0.001
+        crate.data.update()
+    elif beside == "kappa":
+        crate.haptics.kappa = 0.4
+    elif beside == "frame":
+        touching.frame_set(2)
+    else:
+        bpy.context.view_layer.objects.active = crate
+        bpy.ops.rigidbody.object_add(type="PASSIVE")
+    bpy.context.view_layer.update()
+    check(touching, beside)

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.scene_reader import instances as reading_of_instances
+from haptic_tracing.addon.scene_reader.reader import SceneReader
 from haptic_tracing.addon.session import session, sessions
 from making_haptic import make_haptic
 
@@ -284,3 +285,36 @@ def test_a_curve_or_text_is_one_object_beside_what_it_scatters(scene, add_box, a
         points = obj.data.splines[0].bezier_points
         scattered = {f"{obj.name}: {obj.name} {k}.0" for k in range(len(points))}
         assert set(traced().objects) == {"floor", obj.name, *scattered}
+
+
+@pytest.mark.parametrize("way", ["nodes", "faces", "collection", "modifier shown"])
+def test_what_begins_to_show_instances_later_counts(scene, add_box, add_empty, way):
+    """Also of an object that is not haptic itself."""
+    rock = add_box("rock", (0, 0, 5), (0.2, 0.2, 0.2))
+    rock.haptics.surface = "SEEN"
+    plane = add_box("plane", (0, 0, 0), (1, 1, 1), haptic=False)
+    group = bpy.data.collections.new("rocks")
+    group.objects.link(rock)
+    if way == "modifier shown":
+        scatter(rock, plane)
+        plane.modifiers[0].show_viewport = False
+    elif way == "faces":
+        rock.parent = plane
+    empty = add_empty("empty", (0, 0, 3), None)
+    bpy.context.view_layer.update()
+    before = len(traced().objects)
+    if way == "nodes":
+        scatter(rock, plane)
+    elif way == "faces":
+        plane.instance_type = "FACES"
+    elif way == "collection":
+        empty.instance_collection = group
+        empty.instance_type = "COLLECTION"
+    else:
+        plane.modifiers[0].show_viewport = True
+    bpy.context.view_layer.update()
+    session.result_of(scene)
+    found = sessions.shown(scene).reading
+    assert len(found.bodies) > before
+    fresh = SceneReader().read(scene, bpy.context.evaluated_depsgraph_get())
+    assert found.bodies == fresh.bodies
