@@ -35,6 +35,9 @@ known."""
 _AT_ONCE = 1 << 14
 """Pairs of bounds compared at a time: few enough for the processor's cache."""
 
+_SAME_BOUND = 1e-7
+"""Metres by which bounds on distances differ that are the same but for rounding."""
+
 _OPPOSITE = -1e-3
 """Cosine of the angle between the outward normals of two faces below which they face each other."""
 
@@ -283,13 +286,14 @@ class CorePairing:
             piece = _pieces(first, near[mine], second, theirs)
             if piece.any():
                 of = by_piece(pair, piece)
-                order = np.lexsort((bound, of))
-                lowest = order[runs(of[order])[0]]
-                least = triangle_to_triangle(
+                lowest = _lowest(of, bound, reach[pair])
+                found = triangle_to_triangle(
                     taken(corners, mine[lowest]), taken(second.corners, theirs[lowest])
-                ).distance
-                most = np.minimum(np.maximum(most, least[of]), reach[pair])
-            most = most + np.minimum(most_within(radius), beyond)
+                )
+                least = np.full(of.max() + 1, np.inf)
+                np.minimum.at(least, of[lowest], found.distance)
+                most = np.maximum(most, least[of])
+            most = np.minimum(most + np.minimum(most_within(radius), beyond), reach[pair])
         possible = (bound <= most).nonzero()[0]
         return pair[possible], near[mine[possible]], theirs[possible]
 
@@ -359,6 +363,14 @@ class CorePairing:
 def _pieces(first: CoreSurface, mine: IntArray, second: CoreSurface, theirs: IntArray) -> IntArray:
     """Which pieces of two surfaces triangles (n,) of the first and of the second belong to."""
     return first.piece[mine] * second.pieces + second.piece[theirs]
+
+
+def _lowest(group: IntArray, bound: FloatArray, most: FloatArray) -> IntArray:
+    """Numbers of those (n,) with the lowest ``bound`` of each ``group`` [m], if that is at most
+    ``most``: over a flat floor triangles beside the nearest ones have the same bound."""
+    low = np.full(group.max() + 1, np.inf)
+    np.minimum.at(low, group, bound)
+    return (bound <= np.minimum(low[group] + _SAME_BOUND, most)).nonzero()[0]
 
 
 def by_piece(group: IntArray, piece: IntArray) -> IntArray:
