@@ -38,8 +38,9 @@ MOST_REPORTED = 12
 class RangeExport(ExportHelper):
     """Mixin: an export of a range of frames, optionally of one collection, with its losses shown beforehand."""
 
-    frame_start: whole("Start", "First frame", 1, FRAMES)
-    frame_end: whole("End", "Last frame", 250, FRAMES)
+    # Those of the scene unless given: they are not kept for the next one.
+    frame_start: whole("Start", "First frame", 1, FRAMES, options={"SKIP_SAVE"})
+    frame_end: whole("End", "Last frame", 250, FRAMES, options={"SKIP_SAVE"})
     collection: text(
         "Collection", "Only the objects of this collection", options={"HIDDEN", "SKIP_SAVE"}
     )
@@ -52,9 +53,17 @@ class RangeExport(ExportHelper):
         return self.properties.filepath != before
 
     def invoke(self, context: Context, event: Event) -> set[str]:
-        if not self.properties.is_property_set("frame_end"):
-            self.frame_start, self.frame_end = context.scene.frame_start, context.scene.frame_end
+        self._complete_range(context)
         return ExportHelper.invoke(self, context, event)
+
+    def execute(self: Any, context: Context) -> set[str]:
+        self._complete_range(context)
+        return super().execute(context)
+
+    def _complete_range(self, context: Context) -> None:
+        for key in ("frame_start", "frame_end"):
+            if not self.properties.is_property_set(key):
+                setattr(self, key, getattr(context.scene, key))
 
     def names(self) -> Collection[str] | None:
         """The objects to export; None: all. Raises ValueError if the collection does not exist."""

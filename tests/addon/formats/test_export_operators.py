@@ -361,3 +361,16 @@ def test_copy_methods_is_the_paragraph_of_the_exported_frame(shaken, tmp_path):
     assert bpy.ops.export_scene.haptic_scene(filepath=str(path)) == {"FINISHED"}
     assert exporting.methods(bpy.context) == read_export(path).methods()
     assert bpy.ops.haptic.copy_methods() == {"FINISHED"}  # there is no clipboard without a window
+
+
+def test_an_export_covers_the_scenes_frames_unless_told_otherwise(shaken, tmp_path):
+    """Also a script's; a range of an export before is not kept for another scene."""
+    path = tmp_path / "whole.json"
+    shaken.frame_start, shaken.frame_end = 3, 9
+    exported(path, frames="RANGE")
+    assert [frame.number for frame in read_export(path).recording.frames] == list(range(3, 10))
+    exported(path, frames="RANGE", frame_end=5)
+    assert [frame.number for frame in read_export(path).recording.frames] == [3, 4, 5]
+    for operator in ("scene", "tracks", "engine"):
+        known = getattr(bpy.ops.export_scene, f"haptic_{operator}").get_rna_type().properties
+        assert known["frame_start"].is_skip_save and known["frame_end"].is_skip_save
