@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from itertools import chain
 from typing import Any
 
@@ -53,10 +53,17 @@ def is_animated(datablock: Any, paths: Collection[str]) -> bool:
     data = datablock.animation_data
     if data is None:
         return False
-    strips = (strip for track in data.nla_tracks for strip in track.strips if strip.action)
-    of_strips = (curve for strip in strips for curve in fcurves_in(strip.action))
+    strips = chain.from_iterable(nla_strips(track) for track in data.nla_tracks)
+    of_strips = (curve for strip in strips if strip.action for curve in fcurves_in(strip.action))
     curves = chain(fcurves_of(datablock), data.drivers, of_strips)
     return any(curve.data_path in paths for curve in curves)
+
+
+def nla_strips(owner: Any) -> Iterator[Any]:
+    """The strips of a track of the NLA, each followed by those inside it, as meta strips have."""
+    for strip in owner.strips:
+        yield strip
+        yield from nla_strips(strip)
 
 
 def fcurves_of(datablock: Any) -> list[Any]:

@@ -20,7 +20,7 @@ from bpy.types import ID, NodeTree, Object, PropertyGroup, Scene
 from ...core.forms import Form, JsonObject
 from ...core.regular_file import open_regular
 from ..blender.arrays import read_array
-from ..blender.compatibility import animated_paths, fcurves_in, fcurves_of
+from ..blender.compatibility import animated_paths, fcurves_in, fcurves_of, nla_strips
 from ..blender.paths import local_path
 from ..blender.time import stretching
 from ..blender.units import metres_per_unit
@@ -466,7 +466,7 @@ def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozense
                     _effective_values(strip, "", ()),
                     [_curve(curve) for curve in fcurves_in(strip.action)] if strip.action else "",
                 )
-                for strip in track.strips
+                for strip in nla_strips(track)
             ],
         )
         for track in data.nla_tracks

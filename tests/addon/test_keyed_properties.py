@@ -6,7 +6,9 @@ from typing import Any
 
 import bpy
 import pytest
+from haptic_tracing.addon.blender.compatibility import fcurves_in
 from haptic_tracing.addon.scene_reader.animated_curves import ENVELOPE, FREQUENCY
+from haptic_tracing.addon.scene_reader.digest import changes, digest_of
 from haptic_tracing.addon.session import session, sessions
 
 NOT_TRACED = tuple(
@@ -108,7 +110,10 @@ def test_a_keyed_value_is_that_of_the_frame(scene: Any, owners: dict[str, Any], 
     assert followed >= {"Scene": 8, "Box": 12, "Tree": 0}[owner]
 
 
-def test_a_strip_of_the_nla_switches_a_source_on(scene: Any, owners: Any, add_empty: Any) -> None:
+@pytest.mark.parametrize("in_meta", [False, True])
+def test_a_strip_of_the_nla_switches_a_source_on(
+    scene: Any, owners: Any, add_empty: Any, in_meta: bool
+) -> None:
     """Though the first frame that is read shows no role."""
     buzzer = add_empty("Buzzer", parent=owners["Box"])
     for frame, is_on in ((1, False), (10, True), (20, False)):
@@ -116,8 +121,25 @@ def test_a_strip_of_the_nla_switches_a_source_on(scene: Any, owners: Any, add_em
         buzzer.keyframe_insert("haptics.source.enabled", frame=frame)
     data = buzzer.animation_data
     action, data.action = data.action, None
-    data.nla_tracks.new().strips.new("strip", 1, action)
+    strip = data.nla_tracks.new().strips.new("strip", 1, action)
+    if in_meta:
+        _put_into_meta(buzzer, strip)
     for frame in (1, 5, 10, 19, 20):
         scene.frame_set(frame)
         heard = {source.name for source in session.result_of(scene).sources}
         assert ("Buzzer" in heard) == (10 <= frame < 20), frame
+    before = digest_of(scene)
+    fcurves_in(action)[0].keyframe_points[1].co[0] = 12
+    assert changes(before, digest_of(scene)) == (("animation", "Buzzer"),)
+
+
+def _put_into_meta(obj: Any, strip: Any) -> None:
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    strip.select = True
+    window = bpy.context.window_manager.windows[0]
+    area = window.screen.areas[0]
+    area.type = "NLA_EDITOR"
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.ops.nla.meta_add()
