@@ -15,16 +15,14 @@ class Evaluation:
 
     Attributes:
         objects: that were evaluated, by session id.
-        edited: session ids of the meshes, and of the objects whose geometry may have changed, with
-            the compounds that they are parts of.
-        bodies: of those the rigid bodies: Blender names no edit of their physics otherwise.
+        edited: session ids of the meshes, and of the objects whose geometry or rigid body may have
+            changed, with the compounds that they are parts of.
         joints: whether a rigid body constraint may have changed.
         names_all: whether nothing else has changed, and no object has come or gone.
     """
 
     objects: Mapping[int, Object]
     edited: frozenset[int]
-    bodies: frozenset[int]
     joints: bool
     names_all: bool
 
@@ -34,8 +32,7 @@ class Evaluation:
         being named."""
         objects: dict[int, Object] = {}
         edited: set[int] = set()
-        bodies: set[int] = set()
-        joints = False
+        joints = moved = False
         for update in depsgraph.updates:
             changed = update.id and update.id.original
             if isinstance(changed, (Scene, Collection)):
@@ -44,14 +41,15 @@ class Evaluation:
                 edited.add(changed.session_uid)
             elif isinstance(changed, Object):
                 objects[changed.session_uid] = changed
+                if changed.rigid_body_constraint is not None:
+                    joints |= not update.is_updated_transform
+                    moved = True
                 if update.is_updated_geometry:
-                    whole = _with_compounds(changed)
-                    edited |= whole
-                    bodies |= whole if changed.rigid_body is not None else set()
+                    edited |= _with_compounds(changed)
                 elif not update.is_updated_transform:  # animation may have hidden it
                     names_all = False
-                    joints |= changed.rigid_body_constraint is not None
-        return cls(objects, frozenset(edited), frozenset(bodies), joints, names_all)
+        joints |= moved and not names_all
+        return cls(objects, frozenset(edited), joints, names_all)
 
 
 def _with_compounds(obj: Object | None) -> set[int]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from bpy.types import Object, Scene
 
 from ...core.contacts.settings import Motion
 from ...core.declaration import Curve
+from ...core.forms import Form
 from ...core.scene.materials import named_in
 from ...core.scene.values import ALL_LAYERS, HapticObject, Listener, Source, SourceKind
 from ...core.signals import impact_material
@@ -31,24 +33,27 @@ def read_object(obj: Object, scene: Scene) -> HapticObject:
         "propagation": read_function(haptics, stored.get("propagation")),
         "shape": None,
         "pose": None,
-        "mass": stored.get("mass") if obj.rigid_body is None else mass_of(obj, scene),
-        "motion": read_motion(obj, stored.get("motion")),
-        "layers": read_layers(obj, stored.get("layers", ALL_LAYERS)),
+        **_read_physics(obj, scene, stored),
         "impact_material": read_impact_material(obj) or stored.get("impact_material", ""),
         "material": haptics.material.name,
     }
     return HapticObject(obj.name_full, **values)
 
 
-def has_body_of(obj: Object, item: HapticObject | None, scene: Scene) -> bool:
-    """Whether an object is a rigid body as its haptic object ``item`` says."""
-    return (
-        item is not None
-        and obj.rigid_body is not None
-        and item.mass == mass_of(obj, scene)
-        and item.motion is read_motion(obj, None)
-        and item.layers == read_layers(obj, ALL_LAYERS)
-    )
+def has_body_of(obj: Object, item: HapticObject, scene: Scene) -> bool:
+    """Whether an object is still the rigid body, or none, that its haptic object ``item`` says."""
+    physics = _read_physics(obj, scene, stored_item(obj.haptics.imported, "object"))
+    return physics == {"mass": item.mass, "motion": item.motion, "layers": item.layers}
+
+
+def _read_physics(obj: Object, scene: Scene, stored: Form) -> dict[str, Any]:
+    """The values of a haptic object that a rigid body has; without one those of the imported
+    file."""
+    return {
+        "mass": stored.get("mass") if obj.rigid_body is None else mass_of(obj, scene),
+        "motion": read_motion(obj, stored.get("motion")),
+        "layers": read_layers(obj, stored.get("layers", ALL_LAYERS)),
+    }
 
 
 def mass_of(obj: Object, scene: Scene) -> float:

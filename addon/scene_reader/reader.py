@@ -111,7 +111,6 @@ class SceneReader:
         self._contact_settings = ContactSettings()
         self._unchecked: set[int] = set()  # session ids of objects whose geometry may have changed
         self._authored: set[int] = set()  # and of those with properties that may have
-        self._bodies: set[int] = set()  # and of those with rigid bodies that may have
         self._postponed: set[int] = set()  # of the first, those that the next reading compares
         self._curves = AnimatedCurves()
         # By row: what its animated properties were last.
@@ -172,7 +171,6 @@ class SceneReader:
         if any(changed[k].name_full != self._names[k] for k in changed.keys() & self._names.keys()):
             self.forget()
         self._unchecked |= evaluation.edited
-        self._bodies |= evaluation.bodies
         self._tables = None if evaluation.joints else self._tables
         known = self._instances
         self._is_instance_moved |= not (
@@ -528,7 +526,6 @@ class SceneReader:
         self._lists = lists
         self._unchecked, self._postponed = self._postponed, set()
         self._authored.clear()
-        self._bodies.clear()
         self._alike.clear()
         return lists
 
@@ -593,10 +590,6 @@ class SceneReader:
             return reshaped
         unchecked = self._unchecked | self._bone_parts.keys() if exact else self._unchecked
         rows |= {self._rows[number] for number in self._authored & self._rows.keys()}
-        bodies = {self._rows[number] for number in self._bodies & self._rows.keys()} - rows
-        for row, obj in zip(bodies, _objects_in(bodies, evaluated), strict=True):
-            if not has_body_of(obj, self._tagged[row].object, depsgraph.scene):
-                rows.add(row)
         edited = sorted({self._rows[number] for number in unchecked & self._rows.keys()} - rows)
         numbers = lists.rows.searchsorted(edited)
         moved = (raw[numbers] != self._raw[numbers]).any(axis=1).tolist()
@@ -611,9 +604,10 @@ class SceneReader:
 
     def _reshaped(self, row: int, obj: Object, depsgraph: Depsgraph) -> Tagged | None:
         """The object ``obj`` of a row, of which nothing but the mesh has changed; None if it must
-        be read again."""
+        be read again, as after an edit of its rigid body, which Blender names as one of its
+        geometry."""
         known = self._tagged[row]
-        if known.object is None:
+        if known.object is None or not has_body_of(obj, known.object, depsgraph.scene):
             return None
         try:
             surface = self._shape(obj, depsgraph, np.array(known.stretch))

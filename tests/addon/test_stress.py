@@ -31,7 +31,7 @@ def pytest_generate_tests(metafunc):
 
 WEIGHTS = {
     "move": 8, "turn": 3, "material": 4, "source": 4, "tag": 2, "add": 3, "remove": 2, "rename": 2, "animate": 4, "setting": 2,
-    "modify": 6, "select": 4, "unseen": 2,
+    "modify": 6, "select": 4, "unseen": 2, "share": 3, "vertex": 3, "rule": 2,
     "jump": 8, "run": 8, "nest": 4, "undo": 6, "redo": 4, "load": 1, "render": 1, "other_scene": 2, "back": 2,
 }  # fmt: skip
 """How often each operation comes."""
@@ -175,6 +175,28 @@ class Stress:
                 [None, *(other for other in self.boxes if other != box)]
             )
 
+    def share(self):
+        """A box takes over the mesh of another one, or has a copy of its own."""
+        box = self.some_box()
+        box.data = self.some_box().data if self.random.random() < 0.5 else box.data.copy()
+        self.edited()
+
+    def vertex(self):
+        """A corner of a mesh moves, of all boxes that share it."""
+        mesh = self.some_box().data
+        mesh.vertices[0].co.x -= 0.01
+        mesh.update()
+        self.edited()
+
+    def rule(self):
+        """A rule of contacts comes, or changes."""
+        rows = self.scene.haptics.transmission_table.items
+        if len(rows) < 2:
+            bpy.ops.haptic.add_rule(table="transmission_table")
+        rows[0].first_kind, rows[0].first = "OBJECT", self.some_box().name
+        rows[0].function = self.random.choice(("impedance", "identity"))
+        self.edited()
+
     def select(self):
         """A click on another object."""
         box = self.some_box()
@@ -197,6 +219,7 @@ class Stress:
             ("auto", "best_path", "all_paths", "as_in_the_paper", "energy_balance")
         )
         haptics.threshold = self.random.choice((0.0, 1e-4, 1e-2))
+        haptics.contact_tolerance = self.random.choice((0.01, 0.02))
         self.edited()
 
     def jump(self):
@@ -276,6 +299,9 @@ class Stress:
             assert result is None, where
             return
         assert result is not None, where
+        known = sessions.shown(scene).reading
+        assert known.bodies == reading.bodies, where
+        assert known.contact_settings == reading.contact_settings, where
         tracer = Tracer(replace(reading.contact_settings, impacts=False))
         fresh = tracer.step(session.frame_of(scene, reading, continuous=False))
         assert result.number == fresh.number == scene.frame_current, where
