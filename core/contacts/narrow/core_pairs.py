@@ -362,6 +362,8 @@ class CorePairing:
 
 def _pieces(first: CoreSurface, mine: IntArray, second: CoreSurface, theirs: IntArray) -> IntArray:
     """Which pieces of two surfaces triangles (n,) of the first and of the second belong to."""
+    if first.pieces == second.pieces == 1:
+        return np.zeros_like(mine)
     return first.piece[mine] * second.pieces + second.piece[theirs]
 
 

@@ -149,7 +149,7 @@ def _parts(points: FloatArray, triangles: IntArray, order: IntArray) -> Iterator
 def _pieces(points: FloatArray, triangles: IntArray) -> tuple[IntArray, int]:
     """The number (t,) of the piece of each of the ``triangles`` (t, 3), and how many pieces there
     are that have no point in common, be it repeated."""
-    _, place = np.unique(points @ _APART, return_inverse=True)
+    _, place = np.unique((points * _APART).sum(axis=1), return_inverse=True)
     corners = place[triangles]
     label = connected(corners[:, [0, 1, 1, 2]].reshape(-1, 2), len(points))
     first, piece = np.unique(label[corners[:, 0]], return_inverse=True)
