@@ -27,11 +27,12 @@ _MOST = 0.9
 
 
 def set_elsewhere(scene: Scene, since: int, before: Reading, now: Reading) -> frozenset[str]:
-    """Names of the bodies that keys have set elsewhere since the frame of that number, the reading
-    ``before``: none of a body is where any of it was, and a curve of its place, or of that of what
-    it follows, jumps, as with constant interpolation, or where a cycle begins again."""
+    """Names of the bodies that keys have set elsewhere since the frame of the number ``since``,
+    whose reading is ``before``: those that lie clear of where they were, and of which a curve of
+    their place, or of what they follow, jumps, as by constant interpolation, or where a cycle
+    begins again."""
     known = before.transforms
-    if before.bodies is not now.bodies:
+    if before.objects is not now.objects:
         number = {body.name: k for k, body in enumerate(before.bodies)}
         rows = np.array([number.get(body.name, -1) for body in now.bodies], dtype=np.int64)
         known = carried(known.transpose(1, 2, 0), rows, np.nan).transpose(2, 0, 1)
