@@ -252,7 +252,7 @@ def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:
         raise ValueError(
             iface_("its shape is Compound Parent, but none of its children is a rigid body")
         )
-    return Compound.of(tuple(children))
+    return Compound.of(children)
 
 
 @contextmanager

@@ -100,8 +100,8 @@ class SceneReader:
         self._evaluations = 0  # that were noted since the last reading
         self._layer = ""  # view layer of the objects
         self._metres = 1.0  # per unit
-        # Of the scene: first and last frame, seconds a frame, stretching, and contact tolerance.
-        self._times = (0, 0, 0.0, 1.0, 0.0)
+        # First and last frame, seconds a frame, stretching, and contact tolerance.
+        self._of_scene = (0, 0, 0.0, 1.0, 0.0)
         self._instances = NONE
         self._is_instance_moved = False
         self._problems_of_instances: tuple[Problem, ...] = ()
@@ -125,7 +125,7 @@ class SceneReader:
         self._imported = ImportedContacts()
         self._tables: dict[str, Any] | None = None  # of rules
         self._meant = ObjectsMeant()
-        # Other problems than those of tagged objects.
+        # Problems of imported contacts and of instances; those of objects are in `Tagged`.
         self._problems_beside: tuple[Problem, ...] = ()
         self._problems_of_rules: list[Problem] = []
         self._markers: tuple[tuple[str, int], ...] = ()
@@ -206,12 +206,12 @@ class SceneReader:
         # Of one that does not name all, more may follow that is not noted.
         self._evaluations = int(evaluation is None or not evaluation.names_all)
         metres = metres_per_unit(scene)
-        times = (
+        of_scene = (
             *(scene.frame_start, scene.frame_end, frame_seconds(scene), stretching(scene)),
             scene.haptics.contact_tolerance,
         )
-        if (metres, times) != (self._metres, self._times):
-            self._metres, self._times, self._session_ids = metres, times, None
+        if (metres, of_scene) != (self._metres, self._of_scene):
+            self._metres, self._of_scene, self._session_ids = metres, of_scene, None
         if self._marked(scene) != self._markers or not self._move_instances(depsgraph):
             self._session_ids = None
         if only is not None and self._covers(only, depsgraph):
@@ -634,9 +634,7 @@ class SceneReader:
                 surface = self._shape(obj, depsgraph, stretch)
                 haptic_object = read_object(obj, depsgraph.scene)
                 body = Body.of(haptic_object, surface.shape)
-                home = stored_item(haptics.imported, "object").get("pose")
-                if home is not None and not _is_as_imported(obj, stretch):
-                    home = None
+                home = _as_imported(obj, "pose", stretch)
             except ValueError as error:
                 if obj.session_uid not in self._instances.instancers:
                     problems.append(Problem(name, str(error)))
@@ -708,8 +706,8 @@ class SceneReader:
     def _shape(self, obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
         """The collision shape of an object with its world ``stretch`` (6,): that of an imported
         file, else the known one unless its settings or its mesh have changed."""
-        imported = stored_item(obj.haptics.imported, "object").get("shape")
-        if imported is not None and _is_as_imported(obj, stretch):
+        imported = _as_imported(obj, "shape", stretch)
+        if imported is not None:
             return SurfaceShape(imported)
         if obj.haptics.surface == "SEEN" and obj.rigid_body is None:
             armature = armature_of(obj)
@@ -843,13 +841,17 @@ def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def _is_as_imported(obj: Object, stretch: FloatArray) -> bool:
-    """False if an author has replaced the imported shape or pose of an object."""
-    return (
-        obj.rigid_body is None
+def _as_imported(obj: Object, key: str, stretch: FloatArray) -> Any:
+    """The ``shape`` or ``pose`` of an object in its imported file, by ``key``; None without one, or
+    if an author has replaced it."""
+    value = stored_item(obj.haptics.imported, "object").get(key)
+    is_kept = (
+        value is not None
+        and obj.rigid_body is None
         and not obj.haptics.is_property_set("surface")
         and bool(np.all(np.abs(stretch - (1, 1, 1, 0, 0, 0)) < 2e-5))
     )
+    return value if is_kept else None
 
 
 def _lost(obj: Object) -> Problem:

@@ -41,22 +41,22 @@ def read_contact_settings(scene: Scene, tables: Form) -> ContactSettings:
     gravity = gravity_of(scene)
     if gravity != tuple(map(shortest, values.get("gravity", ()))):
         values["gravity"] = gravity
-    values["passing"] = tuple(sorted({*values.get("passing", ()), *_passing(scene)}))
+    values["passing"] = tuple(sorted(_passing(scene) | {*values.get("passing", ())}))
     if scene.rigidbody_world is not None:
         values["time_scale"] = max(shortest(scene.rigidbody_world.time_scale), 1e-3)
     return ContactSettings(**{**values, **tables})
 
 
-def _passing(scene: Scene) -> list[tuple[str, str]]:
-    """The names of the pairs of rigid bodies that a constraint with *Disable Collisions* joins.
-    Blender lets these pass through each other also where it is not enabled, or broken."""
+def _passing(scene: Scene) -> set[tuple[str, str]]:
+    """Pairs of rigid bodies, by name, that a constraint with *Disable Collisions* joins. Blender
+    lets these pass through each other also where the constraint is not enabled, or broken."""
     group = scene.rigidbody_world and scene.rigidbody_world.constraints
     joints = (obj.rigid_body_constraint for obj in group.all_objects) if group else ()
-    return sorted(
+    return {
         (joint.object1.name_full, joint.object2.name_full)
         for joint in joints
         if joint and joint.disable_collisions and joint.object1 and joint.object2
-    )
+    }
 
 
 def gravity_of(scene: Scene) -> Vector:

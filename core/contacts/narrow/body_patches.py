@@ -89,7 +89,7 @@ def core_contacts(
     within = np.maximum(within_of(patch.area), patch.reach)
     return CoreContacts(
         rows.owner,
-        np.array([rows.first, rows.second, rows.first * 0 if rows.piece is None else rows.piece]),
+        np.array([rows.first, rows.second, 0 * rows.first if rows.piece is None else rows.piece]),
         distance,
         outward,
         patch.centre,
@@ -102,8 +102,7 @@ def core_contacts(
 
 def reduced(distance: FloatArray, found: list[CoreContacts], corners: bool) -> PairPatches:
     """One patch per pair of bodies from those of its cores and triangles, weighted by their areas
-    and by how near they are beside the nearest one of the same pieces of two cores,
-    and of all."""
+    and by how near they are beside the nearest one of the same pieces of two cores, and of all."""
     count = len(distance)
     normal = upwards(count)
     centre = np.zeros((3, count))

@@ -20,9 +20,6 @@ _MOST_IN_PART = 16_384
 """Triangles of which FCL builds a tree at a time. It holds Python's lock meanwhile, for about 3
 microseconds a triangle, and Blender isn't drawn."""
 
-_APART = np.array([1.0, math.pi, math.e])
-"""By which points add up to numbers that are equal only where the points are."""
-
 _ROUNDING = 1e-6
 """Metres by which distances of bounds are reduced, so that rounding leaves them lower bounds."""
 
@@ -147,9 +144,12 @@ def _parts(points: FloatArray, triangles: IntArray, order: IntArray) -> Iterator
 
 
 def _pieces(points: FloatArray, triangles: IntArray) -> tuple[IntArray, int]:
-    """The number (t,) of the piece of each of the ``triangles`` (t, 3), and how many pieces there
-    are that have no point in common, be it repeated."""
-    _, place = np.unique((points * _APART).sum(axis=1), return_inverse=True)
+    """The connected components of a mesh: the number (t,) of that of each triangle, and how many
+    there are. Triangles that have a vertex at the same place are connected."""
+    order = np.lexsort(points.T)
+    apart = (points[order[1:]] != points[order[:-1]]).any(axis=1)
+    place = np.zeros(len(points), dtype=np.int64)
+    place[order[1:]] = apart.cumsum()
     corners = place[triangles]
     label = connected(corners[:, [0, 1, 1, 2]].reshape(-1, 2), len(points))
     first, piece = np.unique(label[corners[:, 0]], return_inverse=True)
