@@ -140,7 +140,7 @@ class CollisionDetector:
         self._tracked = Unchanged(_tracked)
         self._without_materials = Unchanged(_without_materials)
         self._stored: dict[int, FrameImpacts] = {}
-        self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None  # of the stored ones
+        self._rules: tuple[tuple[Body, ...], ContactSettings] | None = None  # of the stored impacts
         self._last: Frame | None = None
 
     @property

@@ -142,9 +142,10 @@ def make_physical(
 def _damp(
     obj: Object, material: Material | None, sizes: Sizes, in_a_building: bool = False
 ) -> None:
-    """Set the properties of an object to the measured damping of a material. An unknown one damps
-    like plastic, with the transfer coefficient that follows from the object's own κ and ρ. Values
-    that are equal already are not written, because a write takes longer than a comparison."""
+    """Set the properties of an object by the measured damping of its material; an unknown material
+    damps like plastic, with the transfer coefficient that follows from the object's own κ and ρ.
+    Values that are equal already are not written, because a write takes longer than a
+    comparison."""
     haptics = obj.haptics
     is_half_space = (haptics.function, haptics.wave) == ("physical", "surface")
     haptics.function = "physical"

@@ -29,8 +29,8 @@ def mark_changed(objects: Collection[int] | None = None) -> None:
 
 
 def changed_since(revision: int) -> frozenset[int] | None:
-    """Session ids of the objects of which something authored has changed since a revision, with
-    `SCENE`; None if that may be so of any."""
+    """Session ids of the objects whose authored values have changed since a revision, and `SCENE`
+    if settings or rules have; None if those of any object may have."""
     if revision < _changes["everywhere"]:
         return None
     return frozenset(number for number, last in _objects.items() if last > revision)

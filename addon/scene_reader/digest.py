@@ -404,8 +404,8 @@ def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
 
 
 def _body(obj: Object) -> list[Any]:
-    """The values of an object's rigid body. Its layers of collision follow only if they are not
-    Blender's default, the first one: digests of earlier versions lack them."""
+    """The values of an object's rigid body, and its collision layers if these are not Blender's
+    default, the first one: digests of earlier versions lack them."""
     if obj.rigid_body is None:
         return []
     layers = read_layers(obj, 1)

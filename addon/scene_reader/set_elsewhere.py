@@ -1,4 +1,4 @@
-"""Bodies that keys set elsewhere from one frame to the next, without a motion in between."""
+"""Bodies that keyframes teleport: in the next frame they are elsewhere, and did not move there."""
 
 from __future__ import annotations
 

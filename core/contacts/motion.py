@@ -230,7 +230,7 @@ class MotionHistory:
         return self._has_moved & (self._since_moved <= _DEPTH)
 
     def stops(self) -> bool:
-        """Whether any body has stopped: it moved in the interval before the last one."""
+        """Whether any body moved in the interval before the last one, and not in the last."""
         return bool((self._has_moved & (self._since_moved == 1)).any())
 
     def speeds(self) -> FloatArray:

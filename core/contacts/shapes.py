@@ -381,7 +381,7 @@ class Compound(_PointShape):
 
     @cached_property
     def places(self) -> FloatArray:
-        """Rigid matrices (n, 4, 4) of the parts. Read-only."""
+        """The rigid transforms (n, 4, 4) of the parts into the body's space; read-only."""
         matrices = pose_matrices(self.poses)
         matrices.setflags(write=False)
         return matrices

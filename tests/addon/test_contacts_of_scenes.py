@@ -208,8 +208,8 @@ def test_bodies_without_a_common_collision_collection_make_no_blow(drop, scene, 
 def test_bodies_of_a_constraint_that_disables_collisions_make_no_blow(
     drop, add_empty, scene, tmp_path, joint
 ):
-    """As Blender's simulation has it, in which they pass through each other. A script's edit
-    counts in the next frame, and files name the pair."""
+    """Blender's simulation lets them pass through each other. A script's edit counts in the next
+    frame, and files name the pair."""
     hinge = add_empty("hinge", (0, 0, 2.5), None)
     bpy.context.view_layer.objects.active = hinge
     bpy.ops.rigidbody.constraint_add(type="GENERIC")

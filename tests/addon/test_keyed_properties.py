@@ -114,7 +114,7 @@ def test_a_keyed_value_is_that_of_the_frame(scene: Any, owners: dict[str, Any], 
 def test_a_strip_of_the_nla_switches_a_source_on(
     scene: Any, owners: Any, add_empty: Any, in_meta: bool
 ) -> None:
-    """Though the first frame that is read shows no role."""
+    """Also where all roles are off in the first frame that is read."""
     buzzer = add_empty("Buzzer", parent=owners["Box"])
     for frame, is_on in ((1, False), (10, True), (20, False)):
         buzzer.haptics.source.enabled = is_on

@@ -189,7 +189,7 @@ class Stress:
         self.edited()
 
     def rule(self):
-        """A rule of contacts comes, or changes."""
+        """Add a rule for contacts, or edit the first one."""
         rows = self.scene.haptics.transmission_table.items
         if len(rows) < 2:
             bpy.ops.haptic.add_rule(table="transmission_table")

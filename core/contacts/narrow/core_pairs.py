@@ -368,8 +368,8 @@ def _pieces(first: CoreSurface, mine: IntArray, second: CoreSurface, theirs: Int
 
 
 def _lowest(group: IntArray, bound: FloatArray, most: FloatArray) -> IntArray:
-    """Numbers of those (n,) with the lowest ``bound`` of each ``group`` [m], if that is at most
-    ``most``: over a flat floor triangles beside the nearest ones have the same bound."""
+    """Indices of the pairs of triangles (n,) that have the lowest ``bound`` [m] of their ``group``,
+    if that is at most ``most``; over a flat floor several have the same one."""
     low = np.full(group.max() + 1, np.inf)
     np.minimum.at(low, group, bound)
     return (bound <= np.minimum(low[group] + _SAME_BOUND, most)).nonzero()[0]

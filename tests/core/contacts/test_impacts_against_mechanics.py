@@ -303,7 +303,7 @@ def test_a_keyframed_body_that_stops_short_of_another_one_within_the_tolerance(p
 
 @pytest.mark.parametrize("phase", [0.0, 0.1, 0.3, 0.5, 0.75, 0.88])
 def test_a_keyframed_arm_that_stops_between_two_frames(phase):
-    """The arm turns about its origin, so that this does not move, and lands flat on a block."""
+    """An arm turns about its origin, which stays in place, and lands flat on a block."""
     stop, spin = (12 + phase) / 24, 2.0
 
     def place(time):
