@@ -22,7 +22,7 @@ from typing import Any
 
 _LENT = {
     "addon.authoring": "body_kit materials",
-    "addon.bake": "baking curves playback sound storage takes waves",
+    "addon.bake": "baking playback sound storage takes waves",
     "addon.io": "capture drawings engine frame_scene scene_builder signal_library sound_source "
     "vibration_signal",
     "addon.live_output": "outputs player preview",
@@ -33,8 +33,7 @@ _LENT = {
     "meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture table watched",
     "addon.vr": "controllers drawing recording",
-    "core": "signals",
-    "core.design": "felt recordings wishes",
+    "core": "felt signals",
     "core.devices": "connection mapping profile_files profiles",
     "core.formats": "haptic_scene registry",
     "core.render": "limiter mixing",

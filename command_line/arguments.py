@@ -80,40 +80,6 @@ def _propagate(parser: Parser) -> None:
     )
 
 
-def _fit(parser: Parser) -> None:
-    _add_scene(parser)
-    _add(parser, "recorded_source", "SOURCE.wav", "recorded at the source", type=Path)
-    _add(
-        parser,
-        "recorded_listener",
-        "LISTENER.wav",
-        "recorded at the listener at the same time",
-        type=Path,
-    )
-    _add(parser, "--source", "NAME", "the source in the scene", required=True)
-    _add(parser, "--listener", "NAME", "the listener in the scene", required=True)
-    _add(
-        parser,
-        "--object",
-        "NAME",
-        "the object, of function physical, whose loss is fitted",
-        required=True,
-    )
-    _add(parser, "--contact", ("A", "B"), "the contact whose gain is fitted, too", nargs=2)
-    _flag(
-        parser,
-        "--uncalibrated",
-        "the recordings differ by an unknown factor; no contact is fitted then",
-    )
-    _add(
-        parser,
-        "--out",
-        "NEW.json",
-        "write the scene with the fitted values; -: print it instead of what was fitted",
-        type=Path,
-    )
-
-
 def _sound(parser: Parser) -> None:
     _add(parser, "sound", "IN.wav", "the sound; -: standard input", type=Path)
     _add(
@@ -443,8 +409,6 @@ def _sweep(parser: Parser) -> None:
         "COLUMN",
         "plot: the parameter along the axis (the first with several numbers)",
     )
-    wish = "plot: print the variant nearest to these levels in dB; may be repeated"
-    _add(parser, "--wish", "LISTENER=LEVEL", wish, action="append", default=[])
 
 
 def _demo(parser: Parser) -> None:
@@ -507,12 +471,6 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "Print the gains of a haptic scene file as one JSON object.",
         _propagate,
         "haptic-tracing propagate bench.json --strategy energy_balance --felt",
-    ),
-    "fit": Subcommand(
-        "Fit the loss of an object and the gain of a contact to two recordings of one event, at "
-        "the source and at a listener.",
-        _fit,
-        "haptic-tracing fit floor.json a.wav b.wav --source drill --listener hand --object floor",
     ),
     "contacts": Subcommand(
         "Print the contacts of a haptic scene file, found from the shapes and poses of its "

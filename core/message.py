@@ -103,17 +103,6 @@ class Cause(enum.Enum):
         "and at most 150 may be connected; contacts that count as under the reference force: "
         "{count}"
     )
-    # Parameters that a fit to recordings leaves undetermined
-    FIT_ALIKE = (
-        "'{object}' attenuates all frequencies alike, so its loss can't be separated "
-        "from the gain of the contact"
-    )
-    FIT_SMALL = "'{object}' attenuates by at most {loss} dB: a loss below 3 dB is not determined"
-    FIT_UNCERTAIN = "the loss of '{object}' is uncertain by {percent} %"
-    FIT_CONTACT_UNCERTAIN = "the gain of the contact is uncertain by {error}"
-    FIT_AMPLIFIES = (
-        "the contact would have to amplify by {gain}: the recordings are not calibrated alike"
-    )
     # Losses between listeners and actuators
     NO_ACTUATOR = "not felt: no device has an actuator at {body_part}"
     NO_BODY_PART = "not felt: no actuator is chosen, and the listener has no body part"

@@ -1,5 +1,5 @@
-"""A bake as a job in steps, so that Blender stays responsive: frame after frame, then the track,
-F-curves and sound strip."""
+"""A bake as a job in steps, so that Blender stays responsive: frame after frame, then the track
+and the sound strip."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..changes.suspension import suspended
 from ..scene_reader.digest import digest_of, motion_of
 from ..scene_reader.kept_impacts import text_of_impacts
 from ..session import session, timeline
-from . import curves, sound, storage
+from . import sound, storage
 from .playback import wanted_range
 from .track import BakeRecorder, check_size
 
@@ -67,16 +67,6 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
     track = recorder.track(digest, frame_duration)
     del recorder
     storage.keep(scene, track)
-    if scene.haptics.bake.write_curves:
-        left_out = []
-        for index, listener in enumerate(track.listeners):
-            yield
-            with suspended():
-                if not curves.write_curves(scene, track, index):
-                    left_out.append(listener.name)
-        if left_out:
-            names = ", ".join(left_out[:3]) + (", ..." if len(left_out) > 3 else "")
-            warnings.append(f"no F-curves on what can't be edited: {names}")
     if scene.haptics.bake.write_sound:
         yield
         try:

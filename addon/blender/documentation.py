@@ -8,11 +8,9 @@ from pathlib import Path
 _ROOT = Path(__file__).parents[2]
 
 _PAGES = {
-    "panels/materials": "ops.haptic.*material types.hapticmaterial types.hapticfit "
-    "ops.haptic.*wish",
+    "panels/materials": "ops.haptic.*material types.hapticmaterial",
     "panels/sound": "ops.haptic.convert_sound types.hapticsound",
-    "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake "
-    "types.hapticfelt",
+    "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake",
     "panels/result": "ops.haptic.set_mode types.hapticmeters",
     "panels/source": "ops.haptic.*signal ops.haptic.*envelope ops.haptic.*emphasis "
     "types.hapticdrawing types.haptice types.hapticsource",

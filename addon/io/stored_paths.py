@@ -42,5 +42,3 @@ def _paths(haptics: Any) -> Iterator[tuple[Any, str]]:
         return
     for row in haptics.impact_table.items:
         yield row, "filepath"
-    for name in ("source_file", "listener_file"):
-        yield haptics.materials.fit, name

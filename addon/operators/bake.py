@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.props import IntProperty
 from bpy.types import Context
 
-from ..bake import baking, curves, sound, storage, takes
+from ..bake import baking, sound, storage, takes
 from ..blender import job
 from ..blender.polling import UNDO, Action, Edit, Need
 from ..changes.redraw import redraw_viewports
@@ -28,7 +28,7 @@ def _is_baked(context: Context) -> bool:
 
 
 class HAPTIC_OT_delete_bake(Edit):
-    """Remove the haptic track of this scene, its F-curves and its sound strip; a track that was kept as a take is removed from the takes"""
+    """Remove the haptic track of this scene and its sound strip; a track that was kept as a take is removed from the takes"""
 
     bl_label = "Delete Bake"
 
@@ -38,7 +38,6 @@ class HAPTIC_OT_delete_bake(Edit):
         scene = context.scene
         storage.drop(scene)
         sound.remove_strip(scene)
-        curves.remove_curves(scene)
         redraw_viewports()
 
 

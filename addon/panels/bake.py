@@ -12,7 +12,7 @@ from ..bake import playback, storage, takes
 from ..blender import job
 from ..blender.words import show, show_pair, ui_text
 from ..view import levels
-from .drawing import ScenePanel, draw_each, settings_layout
+from .drawing import ScenePanel, settings_layout
 from .texts import draw_lines, draw_sentence, fitted
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class HAPTIC_PT_bake(ScenePanel):
         column.active = bake.use_range
         column.prop(bake if bake.use_range else scene, "frame_start")
         column.prop(bake if bake.use_range else scene, "frame_end", text="End")
-        draw_each(layout.column(heading="Also"), bake, "write_curves", "write_sound")
+        layout.prop(bake, "write_sound")
         layout.operator(
             "haptic.bake", text="Bake" if bake.track is None else "Bake Again", icon="REC"
         )

@@ -6,15 +6,10 @@ from typing import Any
 
 from bpy.types import Context, Menu, UILayout, UIList
 
-from ...core.scene.bands import BAND_CENTRES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
-from ..blender import job
-from ..blender.words import show, show_pair, ui_text
-from ..view import levels, watched
-from .drawing import ScenePanel, draw_each, draw_held, settings_layout
-from .texts import draw_sentence, fitted
+from .drawing import ScenePanel, draw_held
 from .thumbnails import cell
 
 _WITH_OBJECTS = (
@@ -104,90 +99,3 @@ def draw_models(layout: UILayout) -> None:
     row.label(text="Model")
     row.operator("haptic.set_model", text="Physical").model = "PHYSICAL"
     row.operator("haptic.set_model", text="As in the Paper").model = "PAPER"
-
-
-class HAPTIC_PT_wishes(ScenePanel):
-    bl_parent_id = "HAPTIC_PT_materials"
-    bl_label = "Design by Wish"
-
-    def draw(self, context: Context) -> None:
-        layout = self.layout
-        shown = {level.listener: level for level in watched.levels_of(context.scene)}
-        column = layout.column(align=True)
-        column.label(text="Wished levels" if shown else "No listener: add one to feel something")
-        for name, level in shown.items():
-            obj = context.scene.objects.get(name)
-            if obj is not None:
-                row = column.split(factor=0.42, align=True)
-                row.prop(
-                    obj.haptics.listener,
-                    "use_wish",
-                    text=fitted(name, 0.42, icon=True),
-                    translate=False,
-                )
-                row = row.split(factor=0.55, align=True)
-                side = row.row()
-                side.active = obj.haptics.listener.use_wish
-                side.prop(obj.haptics.listener, "wish", text="")
-                show(row, levels.decibels(level.rms))
-        column = layout.column(align=True)
-        items = context.scene.haptics.materials.items
-        column.label(text="Free materials" if items else "Add materials with +")
-        for item in items:
-            row = column.split(factor=0.42, align=True)
-            row.prop(item, "is_free", text=fitted(item.name, 0.42, icon=True), translate=False)
-            side = row.row(align=True)
-            side.active = item.is_free
-            side.prop(item, "least_k")
-            side.prop(item, "most_k")
-        layout.operator("haptic.design_by_wish", icon="SHADERFX")
-
-
-class HAPTIC_PT_fit(ScenePanel):
-    bl_parent_id = "HAPTIC_PT_materials"
-    bl_label = "Fit Material"
-
-    def draw(self, context: Context) -> None:
-        layout = settings_layout(self)
-        fit = context.scene.haptics.materials.fit
-        keys = (
-            "source_file",
-            "source",
-            "listener_file",
-            "listener",
-            "is_calibrated",
-            "object",
-            "first",
-            "second",
-        )
-        for pair in (keys[:2], keys[2:4], keys[4:6], keys[6:]):
-            column = layout.column(align=True)
-            column.active = pair != keys[6:] or fit.is_calibrated
-            draw_each(column, fit, *pair)
-        if job.draw_running(layout):
-            return
-        layout.operator("haptic.fit_material", icon="FCURVE")
-        if fit.fitted:
-            _draw_fit(layout, fit)
-
-
-def _draw_fit(layout: UILayout, fit: Any) -> None:
-    """Draw the last fit: the values, the transfer by band with that of the model before and after,
-    and undetermined parameters."""
-    damping, damping_error, gain, gain_error, before, after = fit.values
-    column = layout.column(align=True)
-    show(column, fitted(fit.fitted, icon=True), "MATERIAL")
-    show_pair(column, ui_text("Loss / material's own"), f"{damping:.2f} ± {damping_error:.2f}")
-    if fit.is_calibrated and fit.first and fit.second:
-        show_pair(column, ui_text("Gain of the contact"), f"{gain:.2f} ± {gain_error:.2f}")
-    show_pair(column, ui_text("Error before"), f"{before:.1f} dB")
-    show_pair(column, ui_text("Error now"), f"{after:.1f} dB")
-    grid = layout.grid_flow(row_major=True, columns=5, even_columns=True, align=True)
-    for title in ("Hz", "Rec. dB", "Before", "Now", "Coh."):
-        show(grid, ui_text(title))
-    for number, centre in enumerate(BAND_CENTRES):
-        row = fit.bands[4 * number : 4 * number + 4]
-        for text in (f"{centre:.0f}", *(f"{level:.1f}" for level in row[:3]), f"{row[3]:.2f}"):
-            show(grid, "\N{EM DASH}" if text == "nan" else text.replace("-", "\N{MINUS SIGN}"))
-    for doubt in fit.doubts.splitlines():
-        draw_sentence(layout, doubt, "INFO")

@@ -1,4 +1,4 @@
-"""Properties of a scene's bake, and those that a bake animates on listeners."""
+"""Properties of a scene's bake."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from bpy.props import CollectionProperty, PointerProperty
 from bpy.types import PropertyGroup, Sound, Text
 
 from .callbacks import view_changed
-from .kinds import FRAMES, number, reference, switch, text, whole
+from .kinds import FRAMES, reference, switch, text, whole
 
 
 def _track() -> PointerProperty[Text]:
@@ -41,31 +41,8 @@ class HapticBakeProperties(PropertyGroup):
     use_range: switch("Custom Range", "Bake these frames instead of the scene's frame range")
     frame_start: whole("Start", "First frame to bake", 1, FRAMES)
     frame_end: whole("End", "Last frame to bake", 250, FRAMES)
-    write_curves: switch(
-        "Write F-Curves",
-        "Write intensity and frequency as F-curves on the listeners, to be seen in the graph "
-        "editor and to drive others",
-    )
     write_sound: switch(
         "Add Sound Strip",
         "Add what is felt as a sound strip to the sequencer: left side of the body left, right "
         "side right",
-    )
-
-
-class HapticFeltProperties(PropertyGroup):
-    """Values that a bake animates on a listener."""
-
-    intensity: number(
-        "Intensity",
-        "Strength that this listener feels: the amplitude of a sine of the same power. Written "
-        "as an F-curve by Bake",
-        0.0,
-        (0.0, 1.0),
-    )
-    frequency: number(
-        "Frequency (Hz)",
-        "Vibrations per second that this listener feels, in hertz. Written as an F-curve by Bake",
-        0.0,
-        (0.0, 1000.0),
     )

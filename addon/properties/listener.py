@@ -8,7 +8,7 @@ from ...core.scene.values import Extent, Listener
 from ..blender.units import metres_per_unit
 from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
-from .kinds import limited, switch
+from .kinds import switch
 
 
 def _enabled_edited(self: HapticListenerProperties, context: Context) -> None:
@@ -43,17 +43,6 @@ class HapticListenerProperties(Stored, PropertyGroup):
     muted: switch("Mute", "Keep the listener but let it feel nothing", options=set())
     solo: switch(
         "Solo", "Let only listeners that are solo feel something", options=set(), update=changed
-    )
-    use_wish: switch(
-        "Wish", "Fulfil Wishes brings this listener to the wished level", options=set(), update=None
-    )
-    wish: limited(
-        "Level (dB)",
-        "The level that this listener shall have, in decibels of full scale",
-        -20.0,
-        (-90.0, 0.0),
-        options=set(),
-        update=None,
     )
 
     @property

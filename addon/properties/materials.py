@@ -8,16 +8,12 @@ of the scene with that material.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from operator import attrgetter
 from typing import Any
 
 import bpy
 from bpy.props import (
     CollectionProperty,
-    FloatProperty,
-    FloatVectorProperty,
     IntProperty,
-    PointerProperty,
     StringProperty,
 )
 from bpy.types import Context, Object, PropertyGroup, Scene
@@ -30,7 +26,7 @@ from ...core.scene.materials import MATERIALS
 from ..blender.progress import progress
 from .callbacks import Stored, object_changed, scene_changed, updating
 from .declared import holding
-from .kinds import choice, file_path, limited, reference, switch, text
+from .kinds import choice, text
 
 TARGET_ITEMS = (
     ("SELECTED", "Selected", "The selected objects", "RESTRICT_SELECT_OFF", 0),
@@ -117,17 +113,6 @@ def unique_name(name: str, taken: set[str]) -> str:
     )
 
 
-def _bound(name: str, default: float) -> FloatProperty:
-    return limited(
-        name,
-        "Bound of (1 - κ) ρ for Fulfil Wishes",
-        default,
-        (0.001, 1.0),
-        precision=3,
-        update=None,
-    )
-
-
 @updating(_material_changed, animated=False)
 @holding(LibraryMaterial)
 class HapticMaterial(Stored, PropertyGroup):
@@ -135,9 +120,6 @@ class HapticMaterial(Stored, PropertyGroup):
 
     name: text("Name", "Name of the material in this scene's library", update=_material_renamed)
     known_as: StringProperty(options={"HIDDEN"})
-    is_free: switch("Free", "Fulfil Wishes may change κ and ρ of this material", update=None)
-    least_k: _bound("Least", 0.01)
-    most_k: _bound("Most", 0.99)
 
 
 def _chosen(self: HapticObjectMaterial, context: Context) -> None:
@@ -177,50 +159,6 @@ class HapticObjectMaterial(PropertyGroup):
     )
 
 
-def _one(name: str, description: str, role: str) -> PointerProperty[Object]:
-    has_role = attrgetter(f"haptics.{role}")
-    return reference(Object, name, description, poll=lambda self, obj: bool(has_role(obj)))
-
-
-class HapticFit(PropertyGroup):
-    """The settings of Fit Material and its last result. ``fitted``: the material or object, empty
-    without a result. ``values``: its damping, as a multiple of its material's, and the gain of the
-    contact, each with its standard deviation, then the difference between model and recordings
-    before and after [dB]. ``bands``: as in `core.design.recordings.FittedLoss`, band by band."""
-
-    source_file: file_path(
-        "At Source", "WAV file recorded at the source; its channels are averaged"
-    )
-    listener_file: file_path(
-        "At Listener",
-        "WAV file recorded at the listener at the same time, begun at the same moment",
-    )
-    source: _one("Source", "The source at which the first recording was made", "source.enabled")
-    listener: _one(
-        "Listener", "The listener at which the second recording was made", "listener.enabled"
-    )
-    object: _one(
-        "Object",
-        "The object on the path whose loss is fitted; other objects of its material change with it",
-        "enabled",
-    )
-    is_calibrated: switch(
-        "Same Calibration",
-        "Both recordings have the same scale. If not, they determine only how much more high "
-        "frequencies lose than low ones",
-        True,
-        options=set(),
-    )
-    first: _one(
-        "Contact", "One side of a contact on the path whose gain is fitted as well", "enabled"
-    )
-    second: _one("With", "The other side of that contact", "enabled")
-    fitted: StringProperty(options={"HIDDEN"})
-    values: FloatVectorProperty(size=6, options={"HIDDEN"})
-    bands: FloatVectorProperty(size=4 * BAND_COUNT, options={"HIDDEN"})
-    doubts: StringProperty(options={"HIDDEN"})
-
-
 PRESET_ITEMS = tuple((material.name, material.title, "") for material in MATERIALS.values())
 
 
@@ -243,7 +181,6 @@ class HapticMaterialLibrary(PropertyGroup):
     names: CollectionProperty(type=HapticMaterialName)
     active: IntProperty(name="Active Material", default=0, min=0, options=set())
     target: choice("Apply To", "What a material is applied to", TARGET_ITEMS, options=set())
-    fit: PointerProperty(type=HapticFit)
 
 
 def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMaterial:

@@ -7,7 +7,7 @@ from bpy.types import Object, PropertyGroup
 
 from ...core.scene.functions import Physical, Spectrum
 from ...core.scene.values import HapticObject
-from . import bake, live_output, materials, modalities
+from . import live_output, materials, modalities
 from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
 from .function import VIBRATION_FUNCTIONS, FunctionParameters, function_property
@@ -72,5 +72,4 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
         "The haptic object through which the listeners on this armature feel",
         update=changed,
     )
-    felt: PointerProperty(type=bake.HapticFeltProperties)
     live_output: PointerProperty(type=live_output.HapticActuatorProperties)

@@ -86,7 +86,7 @@ _NOT_FELT = frozenset(
             "bake",
             "meters",
         ),
-        *("live_output", "materials", "gltf", "modalities", "kept_impacts", "felt", "sound"),
+        *("live_output", "materials", "gltf", "modalities", "kept_impacts", "sound"),
         *("full_scale", "full_scale_unit", "full_scale_source"),
     }
 )
@@ -155,7 +155,7 @@ def motion_of(scene: Scene) -> str:
     moving = with_movers(
         obj for obj in _layer_objects(scene) if _may_collide(obj) or obj.name in regions
     )
-    motions = [(obj.name_full, _motion(obj, "haptics.")) for obj in moving]
+    motions = [(obj.name_full, _motion(obj, ("haptics.",))) for obj in moving]
     units = () if metres_per_unit(scene) == 1.0 else (metres_per_unit(scene),)
     return checksum([_physics(scene), motions, *units])
 
@@ -211,7 +211,7 @@ def _may_collide(obj: Object) -> bool:
     return (
         obj.haptics.enabled
         or _moves_others(obj)
-        or (obj.type in {"MESH", "EMPTY"} and bool(_animation(obj, "haptics.")[1]))
+        or (obj.type in {"MESH", "EMPTY"} and bool(_animation(obj, ("haptics.",))[1]))
     )
 
 
@@ -355,10 +355,10 @@ def _content_sum(path: Path, changed: int, size: int) -> str:
     return f"{size}:{total:08x}"
 
 
-def _motion(obj: Object, ignored: str = "haptics.felt.") -> dict[str, str]:
+def _motion(obj: Object, ignored: tuple[str, ...] = ()) -> dict[str, str]:
     """Checksums of an object by aspect, other than its haptic properties: shape, transforms,
-    animation, physics, relations. Animation of data paths that begin with ``ignored`` does not
-    count."""
+    animation, physics, relations. Animation of data paths that begin with those ``ignored`` does
+    not count."""
     paths, animation = _animation(obj, ignored)
     keys = getattr(obj.data, "shape_keys", None)
     if keys is not None:
@@ -438,9 +438,9 @@ def _shape(obj: Object) -> str:
     return f"{len(mesh.polygons)}:{zlib.crc32(places.tobytes()):08x}"
 
 
-def _animation(datablock: Any, ignored: str = "haptics.felt.") -> tuple[frozenset[str], str]:
-    """The data paths that are animated, and a checksum of their keys, drivers and strips. Paths
-    that begin with ``ignored`` do not count: a bake writes some itself."""
+def _animation(datablock: Any, ignored: tuple[str, ...] = ()) -> tuple[frozenset[str], str]:
+    """The data paths that are animated, and a checksum of their keys, drivers and strips, without
+    those whose paths begin with one ``ignored``."""
     data = datablock.animation_data
     if data is None:
         return frozenset(), ""

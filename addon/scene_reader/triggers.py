@@ -33,7 +33,7 @@ def read_triggers(obj: Object, scene: Scene) -> tuple[tuple[Trigger, ...] | None
     faults: list[tuple[str, str]] = []
     triggers = [
         *(stored_item(source.imported, "source").get("triggers") or ()),
-        *_of_property(obj, scene, faults),
+        *_of_property(obj, scene),
     ]
     if source.trigger_hit:
         triggers.append(Trigger(TriggerKind.HIT))
@@ -88,7 +88,7 @@ def region_of(source: Any, scene: Scene) -> dict[str, Any]:
     }
 
 
-def _of_property(obj: Object, scene: Scene, faults: list[tuple[str, str]]) -> Iterator[Trigger]:
+def _of_property(obj: Object, scene: Scene) -> Iterator[Trigger]:
     """Triggers from keyframes of the property if it has any, otherwise from its rising values by a
     driver, F-curve modifiers or the NLA."""
     data = obj.animation_data
@@ -98,16 +98,7 @@ def _of_property(obj: Object, scene: Scene, faults: list[tuple[str, str]]) -> It
         if data is not None
         else None
     )
-    if driver is not None and any(
-        "haptics.felt" in t.data_path for v in driver.driver.variables for t in v.targets
-    ):
-        faults.append(
-            (
-                "trigger",
-                iface_("its driver reads what is felt, which depends on the trigger itself"),
-            )
-        )
-    elif (
+    if (
         driver is not None
         or (curve is not None and len(curve.modifiers))
         or (data is not None and len(data.nla_tracks))

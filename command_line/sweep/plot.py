@@ -1,12 +1,12 @@
-"""``haptic-tracing sweep plot TABLE.parquet``: level per listener over a parameter, run time
-against error, and the settings nearest to desired levels."""
+"""``haptic-tracing sweep plot TABLE.parquet``: level per listener over a parameter, and run time
+against error."""
 
 from __future__ import annotations
 
 import argparse
 import math
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,6 @@ from ...core.formats.io.atomic import atomic_file
 from ...core.forms import Form, JsonObject
 from ...core.perception import BEST_LEVEL
 from .. import answer
-from . import wishes
 from .table import read_table, varied_columns
 
 mpl.use("svg")
@@ -26,11 +25,10 @@ Row = Form
 
 
 def run(args: argparse.Namespace, path: Path) -> int:
-    """Draw both pictures of a table, and print the settings nearest to the desired levels. Exit
-    code 0."""
+    """Draw both pictures of a table, and print the fastest variants. Exit code 0."""
     table = read_table(path)
     rows = table.to_pylist()
-    wished, varied = wishes.parsed(args.wish, rows), _differing(rows, varied_columns(table))
+    varied = _differing(rows, varied_columns(table))
     over = args.over or _first_number(table)
     if over is not None and over not in varied_columns(table):
         raise ValueError(
@@ -63,8 +61,6 @@ def run(args: argparse.Namespace, path: Path) -> int:
             f"{number}: fastest for its error, {row['milliseconds']:.2f} ms, "
             f"{row['error_bound']:.3g}: {_words(row, varied)}"
         )
-    if wished:
-        result["nearest"] = _print_answer(rows, wished, varied)
     answer(args, result)
     return 0
 
@@ -185,42 +181,13 @@ def _time_against_error(rows: Sequence[Row]) -> Any:
     return figure
 
 
-def _print_answer(
-    rows: Sequence[Row], wished: Mapping[str, float], varied: Sequence[str]
-) -> Sequence[Row]:
-    """Print what comes nearest to the wishes; the rows of that variant."""
-    variants = wishes.felt_variants(rows, wished)
-    best = wishes.nearest(variants, wished)
-    print(f"nearest to the wishes: {_words(next(iter(best.values())), varied)}")
-    for name, level in wished.items():
-        print(
-            f"  {name}: {best[name]['level']:.1f} dB, {best[name]['level'] - level:+.1f} dB from "
-            f"{level:.1f} dB"
-        )
-    found = wishes.between(variants, wished, varied)
-    if found is not None:
-        print(
-            f"between the variants, by a linear fit that misses them by up to {found.error:.2g} "
-            f"dB: {_named(found.settings)}"
-        )
-        for name, level in wished.items():
-            print(
-                f"  {name}: {found.levels[name]:.1f} dB expected, "
-                f"{found.levels[name] - level:+.1f} dB from {level:.1f} dB"
-            )
-    return list(best.values())
-
-
 def _differing(rows: Sequence[Row], varied: Sequence[str]) -> list[str]:
     """The parameters with several values."""
     return [name for name in varied if len({row[name] for row in rows}) > 1]
 
 
 def _words(row: Row, varied: Sequence[str]) -> str:
-    return _named({name: row[name] for name in varied if row[name] is not None})
-
-
-def _named(values: Form) -> str:
+    values = {name: row[name] for name in varied if row[name] is not None}
     return ", ".join(
         f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
         for name, value in values.items()

@@ -13,8 +13,8 @@ import math
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray, connected
-from ..least_squares import bounded_least_squares
 from .contact_set import ContactSet
+from .least_squares import bounded_least_squares
 
 MOST_BODIES = 150
 """Largest group of bodies connected by contacts whose forces are estimated, because time grows with

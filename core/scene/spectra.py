@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -18,14 +17,6 @@ _STRONG = 0.1
 """Least fraction of a source's energy in a strong band."""
 
 
-def source_energies(sources: Sequence[Source]) -> FloatArray:
-    """Energies (s, bands) of the first second of each source, including its amplitude; energy
-    outside all bands is added to the outermost ones."""
-    return np.array(
-        [_energies(source.emitted) * source.amplitude**2 for source in sources]
-    ).reshape(-1, BAND_COUNT)
-
-
 def leading_band(source: Source) -> int:
     """The lowest strong band of a source, which usually carries furthest; band 0 if it is silent in
     its first second."""
@@ -35,6 +26,8 @@ def leading_band(source: Source) -> int:
 
 @lru_cache(maxsize=256)
 def _energies(signal: Signal) -> FloatArray:
+    """Energies (bands,) of the first second; energy outside all bands is added to the outermost
+    ones."""
     count = round(_RATE * _SECONDS)
     band = np.clip(
         np.searchsorted(BAND_EDGES, np.fft.rfftfreq(count, 1 / _RATE), side="right") - 1,

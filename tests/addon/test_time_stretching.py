@@ -1,7 +1,6 @@
 """*Time Stretching*: what is keyed is felt when Blender shows it."""
 
 from collections.abc import Callable
-from itertools import pairwise
 from typing import Any
 
 import bpy
@@ -56,22 +55,6 @@ def test_a_trigger_plays_when_its_key_is_reached(stretched: Any) -> None:
         if session.result_of(stretched).sources and played is None:
             played = frame
     assert full is not None and played == full
-
-
-def test_baked_curves_show_what_is_felt_in_their_frame(stretched: Any) -> None:
-    motor, seat = bpy.data.objects["Motor"], bpy.data.objects["Seat"]
-    for frame, place in ((0, 1.0), (3, 6.0), (6, 6.0), (9, 1.0)):
-        motor.location.z = place
-        motor.keyframe_insert("location", frame=frame)
-    stretched.haptics.bake.write_curves = True
-    assert bpy.ops.haptic.bake() == {"FINISHED"}
-    shown, touching = [], []
-    for frame in range(1, 49):
-        stretched.frame_set(frame)
-        touching.append(session.result_of(stretched).amplitudes[0, 0] > 0)
-        shown.append(seat.haptics.felt.intensity > 1e-3)
-    # The samples of a frame lead to it from the frame before.
-    assert shown[1:] == [any(pair) for pair in pairwise(touching)]
 
 
 def test_the_volume_of_a_speaker_is_that_of_its_frame(stretched: Any) -> None:

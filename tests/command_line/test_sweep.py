@@ -24,7 +24,7 @@ pytest.importorskip("pyarrow", reason="haptic-tracing[sweep] is not installed")
 distributed = pytest.importorskip("distributed", reason="haptic-tracing[sweep] is not installed")
 
 from haptic_tracing.command_line import sweep
-from haptic_tracing.command_line.sweep import checking, plot, scheduling, table, wishes
+from haptic_tracing.command_line.sweep import checking, plot, scheduling, table
 from haptic_tracing.command_line.sweep.study import SweepStudy, Variant, read_study
 from haptic_tracing.core.formats.io.error import FormatError
 
@@ -336,14 +336,11 @@ def results(tmp_path):
     return tmp_path / "table.parquet"
 
 
-def test_the_nearest_variant_and_the_fastest_for_their_error(results):
+def test_the_fastest_variants_for_their_error(results):
     rows = table.read_table(results).to_pylist()
     assert [(row["kappa"], row["listener"], round(row["level"], 9)) for row in rows] == [
         (0.1, "hand", -20), (0.1, "foot", 0), (0.5, "hand", -40), (0.5, "foot", -20), (0.9, "hand", -60), (0.9, "foot", -40),
     ]  # fmt: skip
-    # Distances to (-50, -24): sqrt(30² + 24²), sqrt(10² + 4²), sqrt(10² + 16²).
-    wished = {"hand": -50.0, "foot": -24.0}
-    assert wishes.nearest(wishes.felt_variants(rows, wished), wished)["hand"]["key"] == "1"
     assert [row["key"] for row in plot.pareto(rows)] == [
         "0",
         "2",
@@ -387,31 +384,10 @@ def test_who_feels_something_depends_on_the_calibration_of_the_device():
     assert plot.pareto([{**row, "threshold": -41.0}])
 
 
-def test_settings_between_variants_where_levels_are_linear():
-    """hand = -10 a + 4 b - 20 and foot = 2 a + 2 b - 40: the wished levels are those of a = 0.3, b
-    = 1.5."""
-    listeners = {"hand": (-10, 4, -20), "foot": (2, 2, -40)}
-    variants = [
-        {name: {"a": a, "b": b, "kind": kind, "level": x * a + y * b + z} for name, (x, y, z) in listeners.items()}
-        for kind in ("x", "y") for a in (0.0, 0.5, 1.0) for b in (1, 2)
-    ]  # fmt: skip
-    wished = {name: x * 0.3 + y * 1.5 + z for name, (x, y, z) in listeners.items()}
-    found = wishes.between(variants, wished, ["a", "b", "kind"])
-    assert found.settings == pytest.approx({"a": 0.3, "b": 1.5}, abs=1e-6)
-    assert found.levels == pytest.approx(wished, abs=1e-6) and found.error < 1e-12
-    beyond = wishes.between(variants, {"hand": 0.0, "foot": -30.0}, ["a", "b", "kind"])
-    assert 0 <= beyond.settings["a"] <= 1 and 1 <= beyond.settings["b"] <= 2
-    assert wishes.between(variants[:3], wished, ["a", "b", "kind"]) is None
-
-
 @pytest.mark.slow
 def test_plot_draws_and_answers(results, tmp_path, capsys):
-    assert main(["sweep", "plot", str(results), "--out", str(tmp_path), "--wish", "hand=-41"]) == 0
+    assert main(["sweep", "plot", str(results), "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert (
-        "nearest to the wishes: kappa 0.5\n" in said
-        and "hand: -40.0 dB, +1.0 dB from -41.0 dB" in said
-    )
     assert "felt: above -45 dB of full scale, assumed: no Full Scale has foot, hand" in said
     assert {path.name for path in tmp_path.glob("*.svg")} == {"table.levels.svg", "table.time.svg"}
 
@@ -419,7 +395,6 @@ def test_plot_draws_and_answers(results, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--wish", "nose=3"], "--wish nose=3: must be LISTENER=LEVEL in dB, of foot, hand"),
         (["--over", "rho"], "has no column rho; it has scene, kappa, kind"),
     ],
 )

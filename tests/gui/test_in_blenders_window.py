@@ -152,16 +152,6 @@ def test_solo_and_mute(play):
     assert all(seen.values()), seen
 
 
-def test_design_by_wish(play):
-    seen = played_through(play(SCENARIOS / "wishes.py"))
-    assert all(seen.values()), seen
-
-
-def test_fit_material(play):
-    seen = played_through(play(SCENARIOS / "fit.py"))
-    assert all(seen.values()), seen
-
-
 def test_timeline_of_touch(play):
     seen = played_through(play(SCENARIOS / "timeline.py"))
     assert all(seen.values()), seen
@@ -177,7 +167,7 @@ def test_gizmos(play):
     assert all(seen.values()), seen
 
 
-def test_newcomers_mends_and_wishes(play):
+def test_newcomers_mends(play):
     seen = played_through(play(SCENARIOS / "mends.py"))
     assert all(seen.values()), seen
 

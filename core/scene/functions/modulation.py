@@ -175,11 +175,6 @@ class ModulationFunction(Declared):
         in all bands."""
         return self.spectrum.band_decays
 
-    def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
-        """Derivative (bands,) of the logarithm of the gain over ``distance`` [m] with respect to
-        ``ln K``, K = (1 - kappa) rho; 0 if the formula does not depend on K."""
-        return np.zeros(BAND_COUNT)
-
     def to_dict(self) -> JsonObject:
         """The form of the scene file: ``{"function": name, parameters...}``."""
         values = {key: getattr(self, name) for key, name in parameters_of(type(self)).items()}  # type: ignore[arg-type]
@@ -255,10 +250,6 @@ class HapticTracing(ModulationFunction):
         return np.asarray(
             k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64))
         )
-
-    def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
-        k = transfer_coefficient(kappa, rho)
-        return np.full(BAND_COUNT, 1.0 - (k * distance if k > epsilon else 0.0))
 
 
 @frozen(kw_only=True)

@@ -266,9 +266,3 @@ class Physical(ModulationFunction):
         return (
             tuple(a + b for a, b in zip(relative, authored, strict=True)) if authored else relative
         )
-
-    def slopes(self, distance: float, kappa: float, rho: float, epsilon: float) -> FloatArray:
-        lowest = self.material_damping(BAND_CENTRES[0])
-        relative = self._relative_decays(kappa, rho)
-        alpha = [self.material_damping(centre) if relative else lowest for centre in BAND_CENTRES]
-        return np.array(alpha) * (-distance / math.log(self.material_k))

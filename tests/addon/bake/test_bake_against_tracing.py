@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.bake import playback, storage
 from haptic_tracing.addon.bake.baking import bake_job
-from haptic_tracing.addon.bake.curves import FREQUENCY, INTENSITY, felt
 from haptic_tracing.addon.bake.sound import write_stereo
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.registration import handlers
@@ -27,10 +26,6 @@ def channels_of(data):
     """The samples (n, channels) of a WAV file's bytes, and their rate."""
     wav = WavFile(io.BytesIO(data))
     return wav.read(0, wav.count), wav.rate
-
-
-def _curve(obj, path):
-    return next(curve for curve in compatibility.fcurves_of(obj) if curve.data_path == path)
 
 
 def test_samples_are_those_that_playing_gives(shaken):
@@ -128,41 +123,13 @@ def test_track_survives_saving_and_loading(shaken, tmp_path):
     assert bpy.data.texts[0].as_string().startswith("Haptic track of scene")
 
 
-def test_intensity_and_frequency_of_a_sine_on_curves(shaken):
-    shaken.haptics.bake.write_curves = True
-    bpy.ops.haptic.bake()
-    for name, index in (("foot", 0), ("hand", 1)):
-        obj = bpy.data.objects[name]
-        gain = storage.track_of(shaken).result(8).amplitudes[0, index]
-        keys = np.empty(48, dtype=np.float32)
-        for path, expected, tolerance in ((INTENSITY, gain, 0.03), (FREQUENCY, 60.0, 0.03)):
-            _curve(obj, path).keyframe_points.foreach_get("co", keys)
-            frames, values = keys.reshape(-1, 2).T
-            assert frames.tolist() == list(range(1, 25))
-            assert values[4:11] == pytest.approx(expected, rel=tolerance)
-            assert {point.interpolation for point in _curve(obj, path).keyframe_points} == {
-                "LINEAR"
-            }
-    shaken.frame_set(8)
-    assert bpy.data.objects["hand"].haptics.felt.intensity == pytest.approx(gain, rel=0.03)
-    shaken.frame_set(20)
-    assert bpy.data.objects["hand"].haptics.felt.intensity == 0
-    assert bpy.data.objects["hand"].haptics.felt.frequency == pytest.approx(
-        60, rel=0.2
-    )  # stays where it was
-
-
 def test_curves_of_the_designer_are_left_alone(shaken):
     foot = bpy.data.objects["foot"]
     foot.haptics.listener.keyframe_insert("gain", frame=3)
-    shaken.haptics.bake.write_curves = shaken.haptics.bake.write_sound = True
+    shaken.haptics.bake.write_sound = True
     for _ in range(2):
         bpy.ops.haptic.bake()
-        assert {c.data_path for c in compatibility.fcurves_of(foot)} == {
-            "haptics.listener.gain",
-            INTENSITY,
-            FREQUENCY,
-        }
+        assert {c.data_path for c in compatibility.fcurves_of(foot)} == {"haptics.listener.gain"}
     bpy.ops.haptic.delete_bake()
     assert {c.data_path for c in compatibility.fcurves_of(foot)} == {"haptics.listener.gain"}
     assert shaken.haptics.bake.track is None
@@ -285,14 +252,6 @@ def test_rigid_bodies_run_up_to_a_later_start(scene, add_box):
         [impact.source.onset for impact in whole.impacts], abs=1e-6
     )
     assert len(whole.impacts) >= 1
-
-
-def test_nothing_felt_gives_silent_curves(shaken):
-    bpy.data.objects["shaker"].haptics.source.muted = True
-    bpy.ops.haptic.bake()
-    intensity, frequency = felt(storage.track_of(shaken), 0)
-    assert not intensity.any()
-    assert not frequency.any()
 
 
 def test_meters_know_the_last_second_wherever_the_track_is_entered(shaken, playing):

@@ -1,5 +1,5 @@
 """The card for newcomers and the documentation; mesh edits while tracing is off; problems with
-their cures; a wished level."""
+their cures."""
 
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -11,9 +11,7 @@ import bpy
 
 def steps(window):
     sessions, watched = window.module("addon.session.sessions"), window.module("addon.view.watched")
-    window.open_only(
-        "HAPTIC_PT_scene", "HAPTIC_PT_settings", "HAPTIC_PT_materials", "HAPTIC_PT_wishes"
-    )
+    window.open_only("HAPTIC_PT_scene", "HAPTIC_PT_settings")
     yield from window.show_sidebar()
     yield from window.screenshot("card")
     opened = []
@@ -111,24 +109,3 @@ def steps(window):
     yield from window.screenshot("problems")
     for obj in (instance, *armature.children, armature, huge):
         bpy.data.objects.remove(obj)
-
-    # A wished level.
-    ground.select_set(True)
-    crate.select_set(True)
-    bpy.context.view_layer.objects.active = crate
-    with window.context():
-        bpy.ops.haptic.apply_material(preset="steel")
-    hand = scene.objects["hand.R"].haptics.listener
-    hand.use_wish, hand.wish = True, felt - 6
-    scene.haptics.materials.items[0].is_free = True
-    bpy.ops.ed.undo_push(message="Wish")
-    yield 1.0
-    yield from window.show_properties("SCENE")
-    yield from window.click_button("haptic.design_by_wish")
-    yield 1.5
-    window.seen["the wish is met"] = abs(level() - (felt - 6)) < 1
-    yield from window.screenshot("wish")
-    chosen = bpy.context.scene.haptics.materials.items[0].kappa
-    yield from window.undo()
-    yield 1.0
-    window.seen["and undone"] = bpy.context.scene.haptics.materials.items[0].kappa != chosen

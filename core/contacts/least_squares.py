@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .arrays import FloatArray
+from ..arrays import FloatArray
 
 _ROUNDS = 200
 """Most Newton steps; such problems usually need a few tens at most."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import field, replace
 from functools import partial
 from types import MappingProxyType
@@ -14,18 +14,17 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..frozen import frozen
-from ..propagation import propagate
-from ..render.arrival import arriving
-from ..render.frame_result import FrameResult
-from ..render.history import still_samples
-from ..render.levels import margins
-from ..scene.choices import Mode
-from ..scene.coefficients import transfer_coefficient
-from ..scene.spectra import source_energies
-from ..scene.values import Settings, Source
-from ..signals import Automation, Pulse, Sine
-from .wishes import FreeMaterial, Wish, fulfil, with_changed_k
+from .frozen import frozen
+from .graph.haptic_graph import HapticGraph, ObjectTable
+from .propagation import propagate
+from .render.arrival import arriving
+from .render.frame_result import FrameResult
+from .render.history import still_samples
+from .render.levels import margins
+from .scene.choices import Mode
+from .scene.coefficients import coefficients_of, transfer_coefficient
+from .scene.values import Settings, Source
+from .signals import Automation, Pulse, Sine
 
 _ROUNDS = 4
 """Number of trials per change, because limiters and ceilings make margins deviate from the
@@ -37,6 +36,11 @@ MOST_GAIN = 10.0
 _TONES = tuple(40.0 * 2 ** (k / 3) for k in range(10))
 """Frequencies that a tone may get [Hz], 40 to 320 by thirds of an octave: outside, the skin feels
 little."""
+_FACTORS = tuple(math.exp(sign * 0.1 * 2**k) for k in range(6) for sign in (1, -1))
+"""Factors that K of materials may get: with a function such as the paper's, both a larger and a
+smaller K may pass on more."""
+_LEAST_K, _MOST_K = 0.01, 0.99
+_HALVINGS = 6
 
 
 class ChangeKind(enum.StrEnum):
@@ -199,7 +203,9 @@ def _frequency(source: Source) -> float | None:
 def _with_material(
     settings: Settings, result: FrameResult, column: int, missing: float, means: Means
 ) -> FrameResult | None:
-    """The frame with another K of the materials on the best path of the strongest source.
+    """The frame in which all materials on the best path of the strongest source have another K, by
+    the same factor: the one nearest to 1 that brings the ``missing`` [dB], or else the one that
+    brings most.
 
     Args:
         settings: of propagation.
@@ -212,27 +218,59 @@ def _with_material(
     if row is None or settings.mode not in (Mode.HT, Mode.SD):
         return None
     on_path = set(result.path_objects(row, column))
-    free = [
-        FreeMaterial(objects)
+    names = {
+        name
         for objects in means.materials.values()
         if not on_path.isdisjoint(objects)
-    ]
-    if not free:
+        for name in objects
+    }
+    if not names:
         return None
-    index = result.graph.table.index()
-    groups = [[index[name] for name in item.objects] for item in free]
-    wish = Wish(result.listeners[column].name, missing)
-    answer = fulfil(result.graph, settings, source_energies(result.sources), [wish], free)
-    objects = (result.graph.table.objects[numbers[0]] for numbers in groups)
-    change = [
-        math.log(k / max(transfer_coefficient(item.kappa, item.rho), 1e-9))
-        for k, item in zip(answer.k, objects, strict=True)
-    ]
-    graph = with_changed_k(result.graph, groups, np.array(change))
-    found = propagate(graph, settings, sounding_only=True)
-    return replace(
-        result, graph=graph, propagation=found, amplitudes=arriving(result.sources, found)
-    )
+    wanted = margin_of(result, column) + missing - _NEAR
+
+    def at(factor: float) -> FrameResult:
+        graph = _with_factor(result.graph, names, factor)
+        found = propagate(graph, settings, sounding_only=True)
+        return replace(
+            result, graph=graph, propagation=found, amplitudes=arriving(result.sources, found)
+        )
+
+    best, most = result, -math.inf
+    for factor in _FACTORS:
+        tried = at(factor)
+        margin = margin_of(tried, column)
+        if margin >= wanted:
+            return _nearest(at, column, wanted, factor)
+        if margin > most:
+            best, most = tried, margin
+    return best
+
+
+def _nearest(
+    at: Callable[[float], FrameResult], column: int, wanted: float, enough: float
+) -> FrameResult:
+    """The frame of the factor nearest to 1 that brings the ``wanted`` margin [dB], as ``enough``
+    does."""
+    close, far = 0.0, math.log(enough)
+    for _ in range(_HALVINGS):
+        middle = (close + far) / 2
+        if margin_of(at(math.exp(middle)), column) >= wanted:
+            far = middle
+        else:
+            close = middle
+    return at(math.exp(far))
+
+
+def _with_factor(graph: HapticGraph, names: Collection[str], factor: float) -> HapticGraph:
+    """The graph whose objects of these names have K times ``factor``, within bounds."""
+    objects = list(graph.table.objects)
+    for number, item in enumerate(objects):
+        if item.name in names:
+            k = transfer_coefficient(item.kappa, item.rho)
+            k = min(max(k * factor, min(k, _LEAST_K)), max(k, _MOST_K))
+            kappa, rho = coefficients_of(k, item.rho)
+            objects[number] = replace(item, kappa=kappa, rho=rho)
+    return replace(graph, table=ObjectTable.of(objects, graph.table.epsilon))
 
 
 def _strongest(result: FrameResult, column: int, names: frozenset[str]) -> int | None:

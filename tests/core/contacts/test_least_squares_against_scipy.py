@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from haptic_tracing.core.least_squares import bounded_least_squares
+from haptic_tracing.core.contacts.least_squares import bounded_least_squares
 from scipy.optimize import lsq_linear, nnls
 
 

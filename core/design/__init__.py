@@ -1,1 +1,0 @@
-"""Material values that fulfil desired levels, or that are fitted to recordings."""
