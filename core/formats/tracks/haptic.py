@@ -3,12 +3,14 @@
 
 Players synthesise the oscillation from an amplitude and a frequency, so breakpoints follow these,
 not the wave; their density is that of published files. An impact or a pulse is an emphasis that has
-the power of its beginning, which the envelope leaves out. With ``points`` 0 the envelope follows
+the power of its beginning, which the envelope leaves out. Players duck the envelope meanwhile, and
+a new emphasis ends the one before. With ``points`` 0 the envelope follows
 the wave, with the impacts in it, and there is no emphasis.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -33,6 +35,10 @@ from .vibration_file import Channel, VibrationFile
 SLIGHT = 0.05
 """Amount by which amplitudes may exceed their range to be clipped instead of refused."""
 _EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.1, "square")}
+"""Frequency [Hz], duration [ms] and wave of an emphasis of frequency 0, and of 1, in the
+configuration of Quest's actuator; between them all three are mixed linearly."""
+_DUCKING = 0.5
+"""Factor of the continuous signal while an emphasis sounds."""
 _ENVELOPES = ("signals", "continuous", "envelopes")
 _PARTS = ((*_ENVELOPES, "frequency"), (*_ENVELOPES, "amplitude", "*", "emphasis"))
 _QUEST = (55.0, 200.0)
@@ -122,8 +128,9 @@ def _document(
 
 
 def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[JsonObject]:
-    """The breakpoints of the amplitude, and one with an emphasis for each burst: players add what
-    it exceeds the envelope by."""
+    """The breakpoints of the amplitude, and one with an emphasis for each burst: it has the power
+    of the burst and that by which players duck the envelope meanwhile, and at least the amplitude
+    of the envelope, as the format demands."""
     times, levels = carrier.amplitude_times, carrier.amplitudes
     if len(times) < 2:
         times = np.array([0.0, max(carrier.end, 1e-3)])
@@ -134,10 +141,12 @@ def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[JsonObj
     )
     for burst in bursts:
         point = points[int(np.searchsorted(every, burst.time))]
-        strength = min(round(point["amplitude"] + burst.amplitude, 6), 1.0)
+        level, sharpness = point["amplitude"], _sharpness(burst.frequency)
+        lost = (1 - _DUCKING**2) * level**2 / 2
+        strength = math.sqrt(burst.amplitude**2 + lost / _power(sharpness))
         point["emphasis"] = {
-            "amplitude": strength,
-            "frequency": round(_sharpness(burst.frequency), 4),
+            "amplitude": round(min(max(strength, level), 1.0), 6),
+            "frequency": round(sharpness, 4),
         }
     return points
 
@@ -150,8 +159,8 @@ def _sharpness(frequency: float) -> float:
 
 def _burst_form(frequency: float) -> tuple[float, float]:
     """Seconds of the burst of an emphasis, and its power at amplitude 1, by frequency (hertz)."""
-    burst = _emphasis(0.0, 1.0, _sharpness(frequency))
-    return burst.end, 0.5 if burst.wave == "sine" else 1.0
+    sharpness = _sharpness(frequency)
+    return float(_seconds(np.asarray(sharpness))), _power(sharpness)
 
 
 def _configuration(
@@ -170,7 +179,7 @@ def _configuration(
         },
         "continuous": {
             "gain": 1.0,
-            "emphasis_ducking": 0.5,
+            "emphasis_ducking": _DUCKING,
             "frequency_min": low,
             "frequency_max": high,
         },
@@ -247,16 +256,39 @@ def _carriers(envelopes: Form, low: float, high: float, path: str | Path) -> tup
     else:
         key_times = np.zeros(1)
         shares = np.full(1, 0.5)
-    carriers = [
-        Carrier(
-            0.0, float(times[-1]), 0.0, times, amplitudes, key_times, low + shares * (high - low)
-        )
-    ]
-    for point in envelopes["amplitude"]:
-        excess = point.get("emphasis", {}).get("amplitude", 0.0) - point["amplitude"]
-        if excess > 0:
-            carriers.append(_emphasis(point["time"], excess, point["emphasis"]["frequency"]))
-    return tuple(carriers)
+    accented = [point for point in envelopes["amplitude"] if "emphasis" in point]
+    begins = np.array([point["time"] for point in accented], dtype=np.float64)
+    sharpness = np.array([point["emphasis"]["frequency"] for point in accented])
+    ends = np.minimum(begins + _seconds(sharpness), np.append(begins[1:], math.inf)[: len(begins)])
+    ducked_times, ducked = _ducked(times, amplitudes, np.stack([begins, ends], axis=1))
+    continuous = Carrier(
+        0.0, float(times[-1]), 0.0, ducked_times, ducked, key_times, low + shares * (high - low)
+    )
+    emphases = (
+        wave
+        for begin, end, point in zip(begins.tolist(), ends.tolist(), accented, strict=True)
+        for wave in _emphasis(begin, end, **point["emphasis"])
+    )
+    return (continuous, *emphases)
+
+
+def _ducked(
+    times: FloatArray, amplitudes: FloatArray, emphases: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The keys of the continuous signal, ducked between begin and end of each of ``emphases``
+    (n, 2), which do not overlap."""
+    edges = emphases.ravel()
+    inside = np.searchsorted(edges, times, "left") % 2 & np.searchsorted(edges, times, "right") % 2
+    places = np.stack(
+        [np.searchsorted(times, emphases[:, 0], "right"), np.searchsorted(times, emphases[:, 1])]
+    ).T
+    jumps = np.interp(edges, times, amplitudes).repeat(2)
+    jumps *= np.tile([1.0, _DUCKING, _DUCKING, 1.0], len(emphases))
+    places = places.ravel().repeat(2)
+    return (
+        np.insert(times, places, edges.repeat(2)),
+        np.insert(amplitudes * np.where(inside, _DUCKING, 1.0), places, jumps),
+    )
 
 
 def _points(
@@ -297,20 +329,23 @@ def _range_beside(path: Path, losses: dict[str, None]) -> tuple[float, float]:
     return _QUEST
 
 
-def _emphasis(time: float, strength: float, sharpness: float) -> Carrier:
-    """The burst that an emphasis adds to the envelope, between the two extremes of the
-    configuration."""
-    (low, long, _), (high, short, _) = _EMPHASIS.values()
-    seconds = (long + (short - long) * sharpness) / 1000
-    zero = np.zeros(1)
-    wave = "sine" if sharpness < 0.5 else "square"
-    return Carrier(
-        time,
-        time + seconds,
-        0.0,
-        zero,
-        np.full(1, strength),
-        zero,
-        np.full(1, low + (high - low) * sharpness),
-        wave,
-    )
+def _seconds(sharpness: FloatArray) -> FloatArray:
+    """Duration of emphases of frequencies from 0 to 1."""
+    (_, long, _), (_, short, _) = _EMPHASIS.values()
+    return np.asarray((long + (short - long) * sharpness) / 1000)
+
+
+def _power(sharpness: float) -> float:
+    """Mean square of an emphasis of amplitude 1: of ``(1 - s) sin + s sgn(sin)``."""
+    sine, square = 1 - sharpness, sharpness
+    return sine**2 / 2 + 4 / math.pi * sine * square + square**2
+
+
+def _emphasis(begin: float, end: float, amplitude: float, frequency: float) -> Iterator[Carrier]:
+    """The waves of an emphasis: a sine that fades into a square as its frequency, from 0 to 1,
+    rises."""
+    (low, _, dull), (high, _, sharp) = _EMPHASIS.values()
+    zero, hertz = np.zeros(1), np.full(1, low + (high - low) * frequency)
+    for wave, share in ((dull, 1 - frequency), (sharp, frequency)):
+        if share * amplitude > 0 and end > begin:
+            yield Carrier(begin, end, 0.0, zero, np.full(1, share * amplitude), zero, hertz, wave)
