@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -179,13 +180,7 @@ def fitted(
     beyond = (d - d[0])[chosen]
     excess = (NEPER * np.log(function.spreading(d) / function.spreading(d[:1])) - y)[chosen]
     absorption = max(float((excess * beyond).sum() / (beyond**2).sum()) / NEPER, 0.0)
-    return Physical(
-        wave=function.wave,
-        loss_factor=0.0,
-        absorption=absorption,
-        phase_speed=function.phase_speed,
-        material_k=function.material_k,
-    )
+    return replace(function, loss_factor=0.0, absorption=absorption)
 
 
 def levels(
@@ -217,7 +212,7 @@ def ground() -> Iterator[Series]:
     places = [7.62, 10.0, 15.0, 20.0, 30.5, 40.0, 50.0, 76.2]
     line = [30 * math.log10(places[0] / r) for r in places]
     used = [k % 2 == 1 for k in range(len(places))]
-    body = fitted(Physical(wave=Wave.SOLID, material_k=0.5), places, line, used)
+    body = fitted(Physical(thickness=1e6, extent=1e6), places, line, used)
     yield Series(
         "Construction machines",
         "FTA Report 0123 (2018), equation 7-2, as quoted in a county's file",
@@ -244,7 +239,7 @@ def ground() -> Iterator[Series]:
     )
     yield from _machine_hall()
     yield from _ground_classes()
-    loose = Physical(wave=Wave.ROD, loss_factor=0.02, phase_speed=200.0, material_k=0.5)
+    loose = Physical(wave=Wave.SURFACE, loss_factor=0.02, phase_speed=200.0, material_k=0.5)
     left = [0.730, 0.208]
     model = [math.exp(-float(loose.damping(f, 0.0, 0.5)) * 100) for f in (10.0, 50.0)]
     yield Series(

@@ -24,6 +24,8 @@ from ..properties.object import HapticObjectProperties
 from ..scene_reader.objects import mass_of
 from .sizes import Sizes
 
+_BOUNDLESS = 1e6
+"""Thickness and width [m] of what waves never fill."""
 _FLESH = MATERIALS["flesh"]
 _PRESETS = {material.title: material for material in MATERIALS.values()}
 _OF_ROBOTS = re.compile(r"(?i)(?<![a-z])(robot|urdf|gripper|(base_?)?links?|joint)(?![a-z])")
@@ -32,8 +34,9 @@ _OF_ROBOTS = re.compile(r"(?i)(?<![a-z])(robot|urdf|gripper|(base_?)?links?|join
 def spread_all_around(haptics: Any, radius: float) -> None:
     """Give a medium spherical spreading without loss: at a distance d [m], the gain is ``radius`` /
     (``radius`` + d)."""
-    haptics.function, haptics.wave, haptics.reference_distance = "physical", "solid", radius
-    haptics.loss_factor = haptics.absorption = haptics.extent = 0.0
+    haptics.function, haptics.wave, haptics.reference_distance = "physical", "bounded", radius
+    haptics.loss_factor = haptics.absorption = 0.0
+    haptics.plate_thickness = haptics.extent = _BOUNDLESS
     # So that a decay set later is not scaled.
     haptics.material_k = (1.0 - haptics.kappa) * haptics.rho
 

@@ -3,6 +3,7 @@ vibration."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from bpy.types import Context, Object, Panel, Scene, UILayout
 
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
+from ...core.scene.functions import Physical
 from ...core.scene.values import HapticObject
 from ..blender.polling import SOLID_TYPES, is_editable
 from ..blender.words import show_pair, ui_text
@@ -97,7 +99,9 @@ class HAPTIC_PT_object(ObjectPanel):
         if material is not None:  # the library's values are shared and cannot be keyed
             layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
         layout.prop(haptics, "function")
-        draw_parameters(layout, haptics, haptics.kappa, haptics.rho, context.scene.haptics.epsilon)
+        if haptics.function != "physical":  # whose parameters are those of the material
+            epsilon = context.scene.haptics.epsilon
+            draw_parameters(layout, haptics, haptics.kappa, haptics.rho, epsilon)
         draw_wave_speed(layout, haptics, material)
         draw_held(layout, haptics, HapticObject, kappa=None, rho=None)
         _draw_surface(layout, context, obj)
@@ -117,6 +121,20 @@ def draw_transmission(layout: UILayout, context: Context, obj: Object) -> None:
     material = library_owner(context, obj)
     _draw_material(layout, context.scene, obj.haptics.material, material)
     draw_properties(layout, material or obj.haptics, "kappa", "rho")
+    if obj.haptics.function == "physical":
+        _draw_dial(layout, obj)
+
+
+def _draw_dial(layout: UILayout, obj: Object) -> None:
+    """Draw what κ and ρ do beside the material's own values, if they differ from these."""
+    haptics = obj.haptics
+    k = transfer_coefficient(haptics.kappa, haptics.rho)
+    if k < haptics.material_k - _SAME:
+        lost = f"{20 * math.log10(haptics.material_k / k):.0f}" if k > 0 else "∞"
+        draw_sentence(layout, ui_text("-{} dB through {}").format(lost, obj.name), "INFO")
+    elif k > haptics.material_k + _SAME:
+        words = ui_text("Below the material's own values only its loss over distance falls")
+        draw_sentence(layout, words, "INFO")
 
 
 def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
@@ -269,6 +287,19 @@ def _curve_key(
         return functions.read_function(haptics), haptics.kappa, haptics.rho, scene.haptics.epsilon
     except ValueError:
         return None
+
+
+class HAPTIC_PT_constants(ObjectPanel):
+    bl_parent_id = "HAPTIC_PT_object"
+    bl_label = "Physical Constants"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        obj = context.object
+        return obj is not None and _poll_haptic(cls, context) and obj.haptics.function == "physical"
+
+    def draw(self, context: Context) -> None:
+        draw_held(settings_layout(self, is_animated=True), context.object.haptics, Physical)
 
 
 class HAPTIC_PT_bands(ObjectPanel):

@@ -32,6 +32,7 @@ from types import MappingProxyType
 
 from ..frozen import frozen
 from .functions import Physical, Wave
+from .functions.physical import BOUNDS_OF_K
 from .materials import MATERIALS, TABLE
 
 IN_A_BUILDING = 0.23
@@ -118,7 +119,7 @@ def physical(
         density=material.density,
         thickness=max(small, 1e-4),
         absorption=IN_A_BUILDING if in_a_building else 0.0,
-        material_k=material.k,
+        material_k=min(max(material.k, BOUNDS_OF_K[0]), BOUNDS_OF_K[1]),
         extent=max(middle, 1e-3),
         from_patches=name != "flesh",
     )

@@ -45,7 +45,7 @@ def test_without_a_rule_everything_passes(standing, scene):
 def test_impedances_of_physical_materials(standing, scene):
     for obj, density, speed in zip(standing, (7850.0, 1100.0), (5100.0, 60.0), strict=True):
         obj.haptics.function = "physical"
-        obj.haptics.wave, obj.haptics.loss_factor = "rod", 0.0
+        obj.haptics.loss_factor, obj.haptics.extent, obj.haptics.material_k = 0.0, 0.1, 0.8
         obj.haptics.density, obj.haptics.phase_speed = density, speed
     add_rule(scene, "impedance")
     one, other = 7850.0 * 5100.0, 1100.0 * 60.0

@@ -31,12 +31,8 @@ def loss(obj: Any, distance: float, epsilon: float) -> float:
     if haptics.function == "exponential":
         return haptics.alpha * distance
     if haptics.function == "physical":
-        assert (haptics.wave, haptics.loss_factor, haptics.absorption, haptics.extent) == (
-            "solid",
-            0,
-            0,
-            0,
-        )
+        assert (haptics.wave, haptics.loss_factor, haptics.absorption) == ("bounded", 0, 0)
+        assert haptics.plate_thickness - haptics.reference_distance > distance
         return math.log(1 + distance / haptics.reference_distance)
     assert haptics.function == "haptic_tracing"
     factor = (1 - haptics.kappa) * haptics.rho

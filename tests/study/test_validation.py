@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from haptic_tracing.command_line import main
-from haptic_tracing.core.scene.functions import Physical, Wave
+from haptic_tracing.core.scene.functions import Physical
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.study.validation import (
     PLATES,
@@ -88,7 +88,7 @@ def test_scatter_decides_where_it_is_published():
 
 
 def test_a_fit_finds_the_absorption_that_made_the_levels():
-    made = Physical(wave=Wave.SOLID, loss_factor=0.0, absorption=0.03, material_k=0.5)
+    made = Physical(loss_factor=0.0, absorption=0.03, thickness=1e6, extent=1e6)
     places = [5.0, 10.0, 20.0, 40.0]
     assert fitted(
         made, places, list(levels(made, places)), [False, True, False, True]

@@ -21,73 +21,69 @@ metres; below this, bands are left out."""
 
 _FAR = 10.0
 
+BOUNDS_OF_K = 0.01, 0.99
+"""Within these a material's own coefficient is held, by which the damping is divided."""
+
 
 class Wave(enum.StrEnum):
-    """Wave type in a body, which determines the exponent of spreading (in brackets)."""
+    """What a wave runs in: the sizes of a body say how it spreads there, those of the ground and of
+    a limb do not."""
 
-    ROD = "rod"  # along a rod, string or small body (0)
-    PLATE = "plate"  # bending waves in a plate (1/2)
-    SURFACE = "surface"  # waves along the ground (1/2)
-    SOLID = "solid"  # through a volume (1)
-    LIMB = "limb"  # along a limb, which moves as a whole at low frequencies (0)
-    BOUNDED = "bounded"  # through a body until the wave fills it (1, then 1/2, then 0)
+    BOUNDED = "bounded"  # in a body, until the wave fills it
+    SURFACE = "surface"  # along the ground
+    LIMB = "limb"  # along a limb, which moves as a whole at low frequencies
 
 
 WAVES = {
-    Wave.ROD: ("Rod", "Along a rod, a string or a small body: no spreading"),
-    Wave.PLATE: ("Plate", "Bending waves in a plate of a thickness, which spread over its surface"),
+    Wave.BOUNDED: (
+        "Body",
+        "Spreads from the source until it fills the body's thickness and width, and no further",
+    ),
     Wave.SURFACE: (
         "Half-Space",
         "Waves along the surface of something without end, as of the ground, whatever its "
         "thickness",
     ),
-    Wave.SOLID: ("Solid", "Through a volume, in all directions"),
     Wave.LIMB: ("Limb", "Along a part of a body, which moves as a whole up to its resonance"),
-    Wave.BOUNDED: (
-        "Bounded Body",
-        "Spreads from the source until it fills the body's thickness and width, and no further",
-    ),
 }
 
 
 @frozen(kw_only=True)
 class Physical(ModulationFunction):
-    """``(1 + min(d, extent) / r0)^-g exp(-alpha(f) d)``: geometric spreading up to the extent of
-    the body, and damping.
+    """``min(1, K / K0) spreading(d) exp(-alpha(f) d ln K / ln K0)`` with ``K = (1 - kappa) rho``:
+    geometric spreading up to the sizes of the body, and damping. kappa and rho are dials over the
+    material, whose own coefficient is ``K0 = material_k``: there they change nothing, below it they
+    act as the paper's factor once per body and damp more, above it they only damp less.
 
-    The exponent g follows from the wave type. In a bounded body, whose least size is ``thickness``
-    and next one ``extent``, a wave spreads through the volume from r0 until it fills the thickness,
-    then over the surface until it fills the width, and no further: ``(1 + min(d, A) / r0)^-1 (1 +
-    (min(d, A + B) - min(d, A)) / q)^-1/2`` with ``A = max(thickness - r0, 0)``, ``q = max(r0,
-    thickness)`` and ``B = max(extent - q, 0)``. In every case ``-log`` is 0 at 0, concave and
-    non-decreasing in d.
+    In a body whose least size is ``thickness`` and next one ``extent``, a wave spreads through the
+    volume from r0 until it fills the thickness, then over the surface until it fills the width, and
+    no further: ``(1 + min(d, A) / r0)^-1 (1 + (min(d, A + B) - min(d, A)) / q)^-1/2`` with ``A =
+    max(thickness - r0, 0)``, ``q = max(r0, thickness)`` and ``B = max(extent - q, 0)``. Along the
+    surface of a half-space it is ``(1 + d / r0)^-1/2``, along a limb 1. In every case ``-log`` is 0
+    at 0, concave and non-decreasing in d.
 
-    For non-dispersive waves ``alpha = pi f loss_factor / phase_speed``; for bending waves ``alpha =
-    pi f loss_factor / (2 c_B)`` with ``c_B = sqrt(1.8 phase_speed thickness f)`` (Cremer, Heckl and
-    Petersson, *Structure-Borne Sound*, for a Poisson ratio of 0.3). Bounded bodies bend too, and
-    their waves are at most as fast as ``phase_speed``. Along a limb ``alpha = pi (f - resonance)
-    loss_factor / phase_speed``, 0 below its ``resonance`` [Hz], up to which the limb moves as a
-    whole. ``absorption`` [1/m] is added at every frequency; it represents edges and joints of a
-    building.
-
-    kappa and rho scale all damping by ``ln K / ln K0`` with ``K = (1 - kappa) rho``: at the
-    material's own ``K0 = material_k`` the factor is 1, at K = 1 there is no damping, at K = 0 the
-    gain is 0. The plain gain is that of the lowest frequency band, which is the highest; the other
-    bands follow the formula, unless none of them differs by half a decibel over ten metres.
+    Bodies bend: ``alpha = pi f loss_factor / (2 c_B)`` with ``c_B = sqrt(1.8 phase_speed thickness
+    f)`` (Cremer, Heckl and Petersson, *Structure-Borne Sound*, for a Poisson ratio of 0.3), and ``2
+    c_B`` at most ``phase_speed``. On a half-space ``alpha = pi f loss_factor / phase_speed``, along
+    a limb ``pi (f - resonance) loss_factor / phase_speed``, 0 below its ``resonance`` [Hz], up to
+    which the limb moves as a whole. ``absorption`` [1/m] is added at every frequency; it represents
+    edges and joints of a building. The plain gain is that of the lowest frequency band, which is
+    the highest; the other bands follow the formula, unless none of them differs by half a decibel
+    over ten metres of the material.
 
     With ``from_patches``, waves begin at a contact as fronts that are as large as its patch, if
     that is larger than r0 (`Spreading.cost`).
 
-    Lengths in metres: ``thickness`` of a plate or bounded body, ``reference_distance`` r0 (the
-    radius of the driven area), ``extent``: the width of a bounded body, else the length of the body
-    (0: infinite). ``phase_speed`` in m/s, of extensional, surface or shear waves; it causes no
-    delay (`Spectrum.wave_speed` does). ``density`` in kg/m^3 and phase speed determine the
-    impedance for transmission functions of contacts.
+    Lengths in metres. ``reference_distance``: r0, the radius of the driven area. ``extent``: the
+    width of a body, of a half-space the distance of its edge (0: infinite). ``phase_speed`` in m/s,
+    of extensional, surface or shear waves; it causes no delay (`Spectrum.wave_speed` does).
+    ``density`` in kg/m^3 and phase speed determine the impedance for transmission functions of
+    contacts.
     """
 
     name, label = "physical", "Physical"
     about = "Spreading and damping of measured materials, by loss factor, wave speed and wave type"
-    wave: Wave = choice(Wave.SOLID, "Wave", "How vibration travels in the body", WAVES)
+    wave: Wave = choice(Wave.BOUNDED, "Wave", "What vibration runs in", WAVES)
     loss_factor: float = number(
         0.01,
         "Loss Factor",
@@ -139,11 +135,9 @@ class Physical(ModulationFunction):
     material_k: float = number(
         0.5,
         "Holds at (1 - κ) ρ",
-        "Coefficient of the material at which the numbers above hold; a lower one damps more, "
-        "a higher one less",
-        0.001,
-        0.999,
-        soft=(0.01, 0.99),
+        "The material's own coefficient, at which the numbers above hold: a lower one passes on "
+        "less and damps more, a higher one only damps less",
+        *BOUNDS_OF_K,
         digits=3,
     )
     reference_distance: float = number(
@@ -184,9 +178,8 @@ class Physical(ModulationFunction):
         """Attenuation alpha [1/m] at ``frequency`` [Hz] of the material itself, at ``K =
         material_k``."""
         speed = self.phase_speed
-        if self.wave in (Wave.PLATE, Wave.BOUNDED):
-            bending = 2 * math.sqrt(1.8 * self.phase_speed * self.thickness * frequency)
-            speed = bending if self.wave is Wave.PLATE else min(bending, speed)
+        if self.wave is Wave.BOUNDED:
+            speed = min(2 * math.sqrt(1.8 * speed * self.thickness * frequency), speed)
         waves = max(frequency - self.resonance, 0.0) if self.wave is Wave.LIMB else frequency
         return math.pi * waves * self.loss_factor / speed + self.absorption
 
@@ -200,10 +193,13 @@ class Physical(ModulationFunction):
     def _parts_of_material(self, kappa: Value, rho: Value) -> FloatArray:
         """Attenuation, in parts of that of the material itself; infinite where K is 0."""
         k = np.asarray(transfer_coefficient(np.asarray(kappa), np.asarray(rho)), dtype=np.float64)
-        blocked = k <= 0
-        return np.where(
-            blocked, math.inf, np.log(np.where(blocked, 1.0, k)) / math.log(self.material_k)
-        )
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(k) / math.log(self.material_k))
+
+    def dial(self, kappa: Value, rho: Value) -> FloatArray:
+        """The factor of kappa and rho once per body, whatever the distance: ``min(1, K / K0)``."""
+        k = transfer_coefficient(np.asarray(kappa), np.asarray(rho))
+        return np.asarray(np.minimum(k / self.material_k, 1.0), dtype=np.float64)
 
     @property
     def impedance(self) -> float:
@@ -224,11 +220,11 @@ class Physical(ModulationFunction):
     ) -> FloatArray:
         away = np.asarray(distance, dtype=np.float64)
         damped = np.where(away > 0, self.damping(BAND_CENTRES[0], kappa, rho), 0.0) * away
-        return self.spreading(away) * np.exp(-damped)
+        return self.dial(kappa, rho) * self.spreading(away) * np.exp(-damped)
 
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear | None:
-        decay = float(self.damping(BAND_CENTRES[0], kappa, rho))
-        return (1.0, decay) if decay < math.inf else None
+    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
+        factor = float(self.dial(kappa, rho))
+        return factor, float(self.damping(BAND_CENTRES[0], kappa, rho)) if factor else 0.0
 
     def spreading_law(self) -> Law:
         start = self.reference_distance
@@ -242,9 +238,7 @@ class Physical(ModulationFunction):
                     near = self.thickness - start
                     return Law(1.0, start, near, width, max(over, near), point)
                 return Law(0.5, start, over, start + over, over, point)
-            case Wave.SOLID:
-                return Law(1.0, start, end, start, end)
-            case Wave.PLATE | Wave.SURFACE:
+            case Wave.SURFACE:
                 return Law(0.5, start, end, start + end, end, point)
         return NO_SPREADING
 
@@ -252,11 +246,10 @@ class Physical(ModulationFunction):
         """Attenuation of each band beyond that of the lowest one [1/m], at the centres of the
         bands; () if the difference is negligible (`_FELT`)."""
         parts = float(self._parts_of_material(kappa, rho))
-        if parts == math.inf:
+        alpha = np.array([self.material_damping(centre) for centre in BAND_CENTRES])
+        if parts == math.inf or not (alpha - alpha[0]).max() * _FAR >= _FELT:
             return ()
-        decays = [self.material_damping(centre) * parts for centre in BAND_CENTRES]
-        relative = tuple(decay - decays[0] for decay in decays)
-        return () if all(decay * _FAR < _FELT for decay in relative) else relative
+        return tuple(((alpha - alpha[0]) * parts).tolist())
 
     def band_decays(self, kappa: float, rho: float) -> tuple[float, ...]:
         relative = self._relative_decays(kappa, rho)

@@ -106,7 +106,7 @@ functions = st.one_of(
             "extent": max(sizes),
             "absorption": absorption,
         },
-        st.sampled_from(["bounded", "surface", "limb", "plate", "solid", "rod"]),
+        st.sampled_from(["bounded", "surface", "limb"]),
         shares,
         st.floats(100, 3000),
         st.tuples(shares, st.floats(0.1, 5)),

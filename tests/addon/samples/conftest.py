@@ -37,13 +37,12 @@ def measured_gain(haptics: Any, distance: float, frequency: float) -> float:
         speed = min(speed, 2 * np.sqrt(1.8 * speed * c * frequency))
     elif haptics.wave == "surface":
         spreading = 1 / np.sqrt(1 + distance / r)
-    elif haptics.wave == "solid":
-        spreading = 1 / (1 + distance / r)
     else:
         waves = max(frequency - haptics.resonance, 0.0)
     alpha = np.pi * waves * haptics.loss_factor / speed + haptics.absorption
-    own = np.log((1 - haptics.kappa) * haptics.rho) / np.log(haptics.material_k)
-    return float(spreading * np.exp(-alpha * own * distance))
+    k = (1 - haptics.kappa) * haptics.rho
+    own = np.log(k) / np.log(haptics.material_k)
+    return float(min(1.0, k / haptics.material_k) * spreading * np.exp(-alpha * own * distance))
 
 
 @pytest.fixture

@@ -22,7 +22,6 @@ from haptic_tracing.core.scene.functions import (
     NormalForce,
     Physical,
     Resilient,
-    Wave,
 )
 from haptic_tracing.core.scene.rule_table import Rule, RuleTable, Side
 from haptic_tracing.core.scene.rules import ContactSettings, Motion
@@ -37,7 +36,7 @@ from haptic_tracing.core.scene.values import (
 )
 from haptic_tracing.core.tracer import Tracer
 
-LOSSLESS = {"wave": Wave.ROD, "loss_factor": 0.0}
+LOSSLESS = {"loss_factor": 0.0, "extent": 0.1, "material_k": 0.01}
 STEEL = Physical(phase_speed=5100.0, density=7850.0, **LOSSLESS)
 RUBBER = Physical(phase_speed=60.0, density=1100.0, **LOSSLESS)
 

@@ -2,7 +2,9 @@
 monotony, bounds, bands."""
 
 import cmath
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,14 +28,16 @@ def gain(function, distance, kappa=K0[0], rho=K0[1]):
     return float(function.gain(np.array(distance), kappa, rho, 0.1))
 
 
-@pytest.mark.parametrize("wave", [Wave.ROD, Wave.SURFACE, Wave.SOLID])
+@pytest.mark.parametrize("wave", [Wave.SURFACE, Wave.BOUNDED])
 @pytest.mark.parametrize("frequency", [30.0, 100.0, 300.0])
 def test_damping_is_that_of_a_lossy_wave(wave, frequency):
     """A modulus E (1 + i eta) gives the wave number k = (omega / c) / sqrt(1 + i eta); the
     amplitude falls by its imaginary part."""
     eta, speed = 0.02, 900.0
     k = 2 * math.pi * frequency / speed / cmath.sqrt(1 + 1j * eta)
-    function = Physical(wave=wave, loss_factor=eta, phase_speed=speed, material_k=MATERIAL_K)
+    function = Physical(
+        wave=wave, loss_factor=eta, phase_speed=speed, material_k=MATERIAL_K, thickness=1e3
+    )
     assert float(function.damping(frequency, *K0)) == pytest.approx(-k.imag, rel=eta**2)
 
 
@@ -48,7 +52,6 @@ def test_damping_of_bending_waves(frequency):
         complex((2 * math.pi * frequency) ** 2 * density * thickness) / (stiffness * (1 + 1j * eta))
     ) ** 0.25
     function = Physical(
-        wave=Wave.PLATE,
         loss_factor=eta,
         phase_speed=speed,
         thickness=thickness,
@@ -60,11 +63,18 @@ def test_damping_of_bending_waves(frequency):
 
 
 @pytest.mark.parametrize(
-    ("wave", "per_doubling"),
-    [(Wave.ROD, 0.0), (Wave.PLATE, 3.01), (Wave.SURFACE, 3.01), (Wave.SOLID, 6.02)],
+    ("body", "per_doubling"),
+    [
+        ({"extent": 1e-3, "thickness": 1e-3}, 0.0),
+        ({"thickness": 1e-3}, 3.01),
+        ({"wave": Wave.SURFACE}, 3.01),
+        ({"thickness": 100.0}, 6.02),
+        ({"wave": Wave.LIMB}, 0.0),
+    ],
+    ids=["rod", "plate", "half-space", "solid", "limb"],
 )
-def test_spreading_in_decibels_per_doubling_of_distance(wave, per_doubling):
-    function = Physical(wave=wave, loss_factor=0.0, material_k=MATERIAL_K, reference_distance=0.001)
+def test_spreading_in_decibels_per_doubling_of_distance(body, per_doubling):
+    function = Physical(loss_factor=0.0, material_k=MATERIAL_K, reference_distance=0.001, **body)
     assert 20 * math.log10(gain(function, 10.0) / gain(function, 20.0)) == pytest.approx(
         per_doubling, abs=0.01
     )
@@ -174,12 +184,64 @@ def test_never_above_one_and_monotonic(
 
 
 def test_the_materials_own_coefficients_change_nothing():
-    lossy = Physical(wave=Wave.ROD, loss_factor=0.1, phase_speed=200.0, material_k=MATERIAL_K)
+    lossy = Physical(
+        loss_factor=0.1, phase_speed=200.0, material_k=MATERIAL_K, thickness=100.0, extent=0.1
+    )
+    lossy = replace(lossy, reference_distance=1e9)
     alpha = math.pi * BAND_CENTRES[0] * 0.1 / 200
     assert gain(lossy, 3.0) == pytest.approx(math.exp(-3 * alpha), rel=1e-12)
     assert gain(lossy, 3.0, 0.0, 1.0) == 1.0
-    assert gain(lossy, 3.0, 0.5, 0.0) == 0.0
-    assert gain(lossy, 0.0, 0.5, 0.0) == 1.0
+
+
+def test_a_dial_beyond_the_materials_own_value_is_the_papers_factor():
+    """(1 - kappa) rho over that of the material, once per body; the damping is scaled by the
+    logarithms."""
+    lossy = Physical(loss_factor=0.1, phase_speed=200.0, material_k=MATERIAL_K, extent=0.1)
+    alpha = lossy.material_damping(BAND_CENTRES[0])
+    for kappa, rho in ((0.5, 0.8), (0.3, 0.2), (0.95, 0.1)):
+        k = (1 - kappa) * rho
+        for d in (0.0, 3.0):
+            wanted = k / MATERIAL_K * math.exp(-d * alpha * math.log(k) / math.log(MATERIAL_K))
+            assert gain(lossy, d, kappa, rho) == pytest.approx(wanted, rel=1e-12)
+    for d in (0.0, 3.0):
+        assert gain(lossy, d, 0.5, 0.0) == gain(lossy, d, 1.0, 0.8) == 0.0
+
+
+def test_each_tenth_of_a_dial_is_felt_on_a_desk():
+    """At 1 m on a desk of hardwood, from the material's own values up: at least 1 dB for each
+    tenth, the smallest difference of amplitudes that people notice (Israr, Tan and Reed, 2006: 1.65
+    dB) for most of them, and silence at the end without a jump."""
+    own, desk = MATERIALS["hardwood"], physical("hardwood", (1.6, 0.8, 0.03))
+    level = {
+        k: 20 * math.log10(gain(desk, 1.0, k / 100, own.rho))
+        for k in range(round(100 * own.kappa), 100)
+    }
+    assert all(level[k] - level[k + 10] >= 1.0 for k in range(round(100 * own.kappa), 90))
+    assert level[25] - level[92] == pytest.approx(20, abs=1.0)
+    assert gain(desk, 1.0, 1.0 - 1e-9, own.rho) < 1e-8
+    assert gain(desk, 1.0, 0.0, 1.0) >= gain(desk, 1.0, own.kappa, own.rho)
+    by_rho = [gain(desk, 1.0, own.kappa, own.rho - step / 10) for step in range(7)]
+    assert all(20 * math.log10(a / b) >= 1.0 for a, b in itertools.pairwise(by_rho))
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.sampled_from(sorted(DAMPING)), st.floats(0, 1), st.floats(0, 10))
+def test_dials_move_without_jumps(name, kappa, distance):
+    """A step of a millionth of the dial, down to where a thousandth of the material's own
+    coefficient is left, moves the gain by less than a thousandth, in each band."""
+    function, material = physical(name, (2.0, 1.0, 0.1)), MATERIALS[name]
+    kappa = min(kappa, 1 - 1e-3)
+
+    def levels(kappa):
+        factor, decay = function.log_linear(kappa, material.rho, 0.1)
+        decays = np.array(function.band_decays(kappa, material.rho) or 0.0)
+        return np.log(factor) - (decay + decays) * distance
+
+    damping = max(map(function.material_damping, BAND_CENTRES)) * distance
+    slope = (1 + damping / -math.log(function.material_k)) / (1 - kappa - 1e-6)
+    step = levels(kappa) - levels(kappa + 1e-6)
+    assert (step >= -1e-9 * (1 + damping)).all()
+    assert (step <= 1.01e-6 * slope + 1e-9 * (1 + damping)).all()
 
 
 def test_bands_of_a_body_follow_the_formula():

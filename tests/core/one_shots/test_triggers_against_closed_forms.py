@@ -305,6 +305,7 @@ DISTANCES = (1.0, 5.0, 10.0, 20.0, 34.3)
 def front(frames, blast, decay=DECAY, rate=RATE):
     function = Physical(
         loss_factor=0.0,
+        thickness=1e6,
         absorption=decay,
         reference_distance=RADIUS,
         spectrum=Spectrum(wave_speed=SPEED),
@@ -338,7 +339,10 @@ def test_a_front_arrives_after_distance_over_speed_and_falls_with_the_distance()
 def test_a_front_reaches_objects_in_the_medium_when_it_is_there():
     """Two panes on either side, touched by the air at 3.43 and 6.86 m, which pass everything on."""
     function = Physical(
-        loss_factor=0.0, reference_distance=RADIUS, spectrum=Spectrum(wave_speed=SPEED)
+        loss_factor=0.0,
+        reference_distance=RADIUS,
+        thickness=1e6,
+        spectrum=Spectrum(wave_speed=SPEED),
     )
     air = HapticObject("air", 0.3, 0.8, function, medium=True)
     panes = tuple(HapticObject(f"pane {k}", 0.3, 0.8, Identity()) for k in (1, 2))

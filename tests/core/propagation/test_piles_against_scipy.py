@@ -29,8 +29,8 @@ FREE = 1e-300
 """Cost that stands for 0, which in a sparse matrix means no connection."""
 GROUNDS = (
     Physical(wave=Wave.SURFACE, reference_distance=0.05, loss_factor=0.1, phase_speed=200.0),
-    Physical(wave=Wave.PLATE, reference_distance=0.5, loss_factor=0.0),
-    Physical(wave=Wave.SOLID, reference_distance=0.3, extent=2.0, loss_factor=0.05),
+    Physical(reference_distance=0.5, loss_factor=0.0),
+    Physical(reference_distance=0.3, thickness=2.3, extent=2.3, loss_factor=0.05),
     Physical(
         wave=Wave.BOUNDED,
         reference_distance=0.1,
@@ -43,7 +43,7 @@ GROUNDS = (
 BOXES = (
     Identity(),
     Constant(gain_value=0.98),
-    Physical(wave=Wave.ROD, loss_factor=0.01),
+    Physical(wave=Wave.LIMB, loss_factor=0.01),
     Physical(wave=Wave.BOUNDED, reference_distance=0.2, thickness=0.3, extent=0.4),
 )
 
