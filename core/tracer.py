@@ -11,8 +11,9 @@ from __future__ import annotations
 from hashlib import sha256
 from time import perf_counter
 
-from .collisions import CollisionDetector, Frame
+from .collisions import CollisionDetector
 from .contacts.settings import ContactSettings
+from .events.frame import Frame
 from .graph.haptic_graph import ObjectTable, build_graph
 from .propagation import propagate
 from .propagation.reuse import Inputs, Propagated

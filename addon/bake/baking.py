@@ -57,7 +57,7 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
                 check_size(
                     len(result.listeners), last - first + 1, frame_duration, result.sample_rate
                 )
-            kept = own.tracer.collisions.impacts_of(result.number)
+            kept = own.tracer.collisions.stored.of(result.number)
             recorder.add(
                 result,
                 "" if kept is None else text_of_impacts(result.number, kept, motion),

@@ -8,9 +8,10 @@ from dataclasses import asdict
 
 import numpy as np
 
-from ...core.contacts.impact_sources import ActiveImpact, FrameImpacts
 from ...core.contacts.impacts import Impact
-from ...core.contacts.one_shots import Shot
+from ...core.events.impacts import ActiveImpact
+from ...core.events.one_shots import Shot
+from ...core.events.stored import FrameEvents
 from ...core.forms import JsonObject
 from ...core.scene.values import TriggerKind
 from .imported import stored, with_floats
@@ -19,7 +20,7 @@ _MOST_CHARACTERS = 2**16
 """Largest size of the text; more impacts are not stored."""
 
 
-def text_of_impacts(frame: int, kept: FrameImpacts, motion: str) -> str:
+def text_of_impacts(frame: int, kept: FrameEvents, motion: str) -> str:
     """The text for `impacts_from_text` with the impacts of a frame, "" if there are none or too
     many; ``motion``: checksum of their causes."""
     impacts = [
@@ -29,7 +30,7 @@ def text_of_impacts(frame: int, kept: FrameImpacts, motion: str) -> str:
             "local": [place.tolist() for place in item.local],
             "poses": poses.reshape(2, 12).tolist(),
         }
-        for item, poses in zip(kept.sounding, kept.poses, strict=False)  # others are of what slides
+        for item, poses in zip(kept.impacts, kept.poses, strict=False)  # others are of what slides
     ]
     shots = {"shots": list(map(asdict, kept.shots))} if kept.shots else {}
     form = {"frame": frame, "start": kept.start, "motion": motion, "impacts": impacts, **shots}
@@ -39,7 +40,7 @@ def text_of_impacts(frame: int, kept: FrameImpacts, motion: str) -> str:
 
 def impacts_from_text(
     text: str, frame: int, names: Sequence[str], motion: str
-) -> FrameImpacts | None:
+) -> FrameEvents | None:
     """The stored impacts of a frame; None if there are none, or if anything has changed since. The
     text may be untrusted: an invalid one counts as none."""
     if not 0 < len(text) <= _MOST_CHARACTERS:
@@ -58,7 +59,7 @@ def impacts_from_text(
         -1, 2, 3, 4
     )
     shots = tuple(Shot(**{**item, "on": TriggerKind(item["on"])}) for item in form.get("shots", ()))
-    return FrameImpacts(float(form["start"]), sounding, poses, shots) if sounding or shots else None
+    return FrameEvents(float(form["start"]), sounding, poses, shots) if sounding or shots else None
 
 
 def _sounding(item: JsonObject, row: dict[str, int]) -> ActiveImpact:

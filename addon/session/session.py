@@ -13,7 +13,7 @@ import numpy as np
 from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
-from ...core.collisions import EXACT_FRAMES
+from ...core.events.frame import EXACT_FRAMES
 from ...core.modalities.propagation import Felt
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
@@ -245,8 +245,8 @@ def begin(
     if session.version != revisions.authored():
         session.reader.reread(revisions.changed_since(session.version))
         session.version = revisions.authored()
-        if not session.tracer.collisions.has_stored_impacts or session.motion != motion_of(scene):
-            session.tracer.collisions.forget_impacts()
+        if not session.tracer.collisions.stored or session.motion != motion_of(scene):
+            session.tracer.collisions.forget_events()
             session.motion = None
     # From an exact frame on, tracing gives the same bits as from any earlier one.
     exact = scene.frame_current % EXACT_FRAMES == 0 or (is_stepped(scene) and session.last is None)
@@ -312,7 +312,7 @@ def keep_impacts(scene: Scene) -> None:
     if session is None or is_busy(scene, worker.MOMENT):
         return
     _finish(session)
-    impacts_of = session.tracer.collisions.impacts_of
+    impacts_of = session.tracer.collisions.stored.of
     kept = None if session.request is None else impacts_of(scene.frame_current)
     text = "" if kept is None else text_of_impacts(scene.frame_current, kept, motion_of(scene))
     if scene.haptics.kept_impacts != text:
@@ -323,14 +323,14 @@ def _restore_impacts(scene: Scene, session: Session, reading: Reading, baked: st
     """Restore the impacts of a frame that were ``baked``, or, at the first trace of a scene, those
     that were stored when it was saved."""
     text = baked or (scene.haptics.kept_impacts if session.request is None else "")
-    if not text or session.tracer.collisions.impacts_of(scene.frame_current) is not None:
+    if not text or session.tracer.collisions.stored.of(scene.frame_current) is not None:
         return
     motion = session.motion or motion_of(scene)
     kept = impacts_from_text(
         text, scene.frame_current, [body.name for body in reading.bodies], motion
     )
     if kept is not None:
-        session.tracer.collisions.restore_impacts(scene.frame_current, reading.bodies, kept)
+        session.tracer.collisions.restore_events(scene.frame_current, reading.bodies, kept)
         session.motion = motion
 
 

@@ -13,7 +13,7 @@ from itertools import product
 import bpy
 from bpy.types import Scene
 
-from ...core.collisions import EXACT_FRAMES
+from ...core.events.frame import EXACT_FRAMES
 from ...core.frozen import frozen
 from ...core.render.frame_result import FrameResult
 from ...core.render.groups import MAX_DELAY

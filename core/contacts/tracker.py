@@ -51,6 +51,15 @@ class ContactStatistics:
         """Candidates without a query."""
         return max(0, self.candidates - self.queries)
 
+    @property
+    def counts(self) -> dict[str, int]:
+        """The numbers that a result of the tracer has."""
+        return {
+            "candidate_pairs": self.candidates,
+            "contact_queries": self.queries,
+            "queries_avoided": self.avoided,
+        }
+
 
 @frozen(eq=False)
 class Endpoints:

@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..contacts.contact_set import ContactSet
 from ..contacts.impacts import Impact
-from ..contacts.one_shots import Shot
+from ..events.one_shots import Shot
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from ..message import Message

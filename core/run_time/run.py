@@ -10,12 +10,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
-from ..collisions import Frame
 from ..contacts.authored import AuthoredContacts
 from ..contacts.contact_set import ContactSet
 from ..contacts.impacts import Impact
 from ..contacts.settings import Body
 from ..contacts.shapes import pose_matrix, rotation_matrix
+from ..events.frame import Frame
 from ..formats.io.schema import validate
 from ..formats.scene.values_json import read_listener, read_object, read_source
 from ..render.history import History

@@ -17,6 +17,7 @@ LAYERS = (
     ("core.signals", "core.perception"),
     ("core.scene",),
     ("core.contacts",),
+    ("core.events",),
     ("core.graph",),
     ("core.propagation", "core.collisions"),
     ("core.render", "core.modalities"),

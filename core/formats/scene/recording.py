@@ -9,11 +9,11 @@ from typing import TypeVar
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from ...collisions import EXACT_FRAMES
 from ...contacts.contact_set import ContactSet
-from ...contacts.one_shots import Shot
 from ...contacts.settings import Body
 from ...contacts.shapes import pose_matrix
+from ...events.frame import EXACT_FRAMES, Frame
+from ...events.one_shots import Shot
 from ...frozen import frozen
 from ...render.frame_result import FrameResult
 from ...render.renderer import SAMPLE_RATE
@@ -30,7 +30,7 @@ from ...scene.values import (
     TriggerKind,
     Vector,
 )
-from ...tracer import Frame, Tracer
+from ...tracer import Tracer
 
 Pair = tuple[str, str]
 Item = TypeVar("Item")

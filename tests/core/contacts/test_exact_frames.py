@@ -2,9 +2,9 @@
 frames before it."""
 
 import numpy as np
-from haptic_tracing.core.collisions import EXACT_FRAMES, Frame
 from haptic_tracing.core.contacts.settings import Body
 from haptic_tracing.core.contacts.shapes import Box
+from haptic_tracing.core.events.frame import EXACT_FRAMES, Frame
 from haptic_tracing.core.scene.values import HapticObject, Listener, Source
 from haptic_tracing.core.tracer import Tracer
 

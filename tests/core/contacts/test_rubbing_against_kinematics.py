@@ -5,9 +5,9 @@ import json
 
 import numpy as np
 import pytest
-from haptic_tracing.core.collisions import EXACT_FRAMES
 from haptic_tracing.core.contacts.settings import Body, ContactSettings
 from haptic_tracing.core.contacts.shapes import Box, Cylinder, Sphere
+from haptic_tracing.core.events.frame import EXACT_FRAMES
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError

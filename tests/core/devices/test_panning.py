@@ -7,13 +7,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from haptic_tracing.core.collisions import Frame
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.settings import Body
 from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.devices.mapping import map_listeners, shares
 from haptic_tracing.core.devices.profile_files import parse_profile, profile
 from haptic_tracing.core.devices.profiles import Actuator, Calibration
+from haptic_tracing.core.events.frame import Frame
 from haptic_tracing.core.scene.bhaptics import DEVICES
 from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Source
 from haptic_tracing.core.tracer import Tracer

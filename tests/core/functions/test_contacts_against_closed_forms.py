@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.core.collisions import Frame
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import Box
+from haptic_tracing.core.events.frame import Frame
 from haptic_tracing.core.formats.scene.recording import frame_of
 from haptic_tracing.core.formats.scene.scene_json import scene_of, scene_to_dict
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene

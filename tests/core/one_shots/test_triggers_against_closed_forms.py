@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.contacts.one_shots import entry
 from haptic_tracing.core.contacts.settings import Body, ContactSettings, Motion
 from haptic_tracing.core.contacts.shapes import Box, pose_matrix
 from haptic_tracing.core.diagnosis.silence import reasons
+from haptic_tracing.core.events.one_shots import entry
 from haptic_tracing.core.message import sentence
 from haptic_tracing.core.scene.functions import Identity, Physical
 from haptic_tracing.core.scene.functions.modulation import Spectrum

@@ -24,15 +24,18 @@ from hashlib import blake2b
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..contacts.body_table import STILL
+from ..contacts.contact_set import ContactSet
+from ..contacts.forces import contact_forces
+from ..contacts.motion import spins
+from ..contacts.settings import Body, ContactSettings, Motion
+from ..contacts.tracker import FrameContacts
 from ..frozen import frozen
 from ..scene.rule_table import RuleTable
 from ..scene.texture import Texture
 from ..scene.values import Source
-from .contact_set import ContactSet
-from .forces import contact_forces
-from .motion import spins
-from .settings import Body, ContactSettings, Motion
-from .tracker import STILL
+from ..unchanged import Unchanged
+from .frame import EXACT_FRAMES, Frame
 
 CREEP = 0.02
 """Part of the rolling speed up to which bodies creep without slipping: wheels on rails slip from a
@@ -94,31 +97,29 @@ class FrameRubbing:
         return tuple(item.rows for item in self.moving)
 
 
-class SlidingAndRolling:
-    """Follows sliding and rolling from frame to frame. ``block``: number of frames after which path
-    lengths begin at zero again; blocks end at frames whose number is a multiple of it."""
+class Rubbing:
+    """Follows sliding and rolling from frame to frame. Path lengths begin at zero again in each
+    block of `EXACT_FRAMES`; blocks end at frames whose number is a multiple of it."""
 
-    def __init__(self, block: int) -> None:
-        self._block = block
+    def __init__(self) -> None:
+        self._middles = Unchanged(_middles)
         self.clear()
 
     def clear(self) -> None:
         """Drop all state."""
-        self._before: FloatArray | None = None
-        self._bodies: Sequence[Body] = ()  # of ``_before``
+        self._before: Frame | None = None
         self._paths: dict[tuple[str, str, bool], tuple[float, float]] = {}  # as in `FrameRubbing`
         self._now = FrameRubbing()
         self._sources: tuple[Source, ...] = ()
 
-    @property
     def snapshot(self) -> FrameRubbing | None:
         """State after the last frame, for `restore`; None without sliding or rolling."""
         return self._now if self._now.moving or self._now.last else None
 
-    def restore(self, kept: FrameRubbing) -> None:
+    def restore(self, kept: FrameRubbing | None) -> None:
         """Return to the state after the frame ``kept``."""
-        self._now = kept
-        self._paths = dict(kept.paths)
+        self._now = kept or FrameRubbing()
+        self._paths = dict(self._now.paths)
 
     def history(self) -> str:
         """The state that later frames depend on, except poses."""
@@ -130,63 +131,58 @@ class SlidingAndRolling:
         )
 
     def follow(
-        self,
-        number: int,
-        span: tuple[float, float] | None,
-        bodies: Sequence[Body],
-        contacts: ContactSet,
-        transforms: FloatArray,
-        middles: FloatArray,
-        settings: ContactSettings,
-        anew: frozenset[str],
-    ) -> None:
-        """Advance by one frame.
+        self, frame: Frame, since: float | None, found: FrameContacts, settings: ContactSettings
+    ) -> tuple[Source, ...]:
+        """The sources of a ``frame`` with the contacts ``found`` in it; ``since``: time of the
+        frame before [s], None without one."""
+        if not settings.textures.rows:
+            self.clear()
+            return ()
+        before, self._before = self._before, frame
+        if since is not None:
+            self._now = FrameRubbing()
+            if before is not None:
+                self._advance(frame, since, before, found.contacts, settings)
+        self._sources = self._of_frame(frame.bodies, settings.textures)
+        return self._sources
 
-        Args:
-            number: of the frame.
-            span: time of the frame before and of this one [s]; None for the first frame.
-            bodies: of the scene.
-            contacts: between them, by their numbers.
-            transforms: rigid ones of the bodies (n, 4, 4).
-            middles: of the bodies in their own space (n, 3).
-            settings: with the textures.
-            anew: names of the bodies that have come or been set elsewhere, without moving there.
-        """
-        before = self._before
-        self._before = transforms
-        self._now = FrameRubbing()
-        known, self._bodies = self._bodies, bodies
-        if span is None or before is None:
-            return
-        if known != bodies or anew:
+    def _advance(
+        self,
+        frame: Frame,
+        since: float,
+        before: Frame,
+        contacts: ContactSet,
+        settings: ContactSettings,
+    ) -> None:
+        """Advance to a ``frame`` from that ``before``, at the time ``since`` [s]."""
+        poses = [frame.transforms, before.transforms]
+        now, then = (np.zeros((0, 4, 4)) if each is None else each for each in poses)
+        if before.bodies != frame.bodies or frame.anew:
             old = {
                 body.name: pose
-                for body, pose in zip(known, before, strict=True)
-                if body.name not in anew
+                for body, pose in zip(before.bodies, then, strict=True)
+                if body.name not in frame.anew
             }
-            before = np.array(
-                [old.get(body.name, now) for body, now in zip(bodies, transforms, strict=True)]
+            then = np.array(
+                [old.get(body.name, pose) for body, pose in zip(frame.bodies, now, strict=True)]
             ).reshape(-1, 4, 4)
-        start = span[0]
-        step = span[1] - span[0]
-        if (number - 1) % self._block == 0:
+        step = frame.time - since
+        if (frame.number - 1) % EXACT_FRAMES == 0:
             self._paths = {key: (0.0, path) for key, (path, _) in self._paths.items() if path}
-        poses = _BodyPoses(
-            before, transforms, _placed(before, middles), _placed(transforms, middles), step
-        )
-        moving = _moving_contacts(bodies, contacts, poses, settings)
+        middles = self._middles(frame.bodies)
+        placing = _BodyPoses(then, now, _placed(then, middles), _placed(now, middles), step)
+        moving = _moving_contacts(frame.bodies, contacts, placing, settings)
         for item in moving:
             for rolls, speed in zip((False, True), item.speeds, strict=True):
                 if speed:
                     key = *item.names, rolls
                     path, earlier = self._paths.get(key, (0.0, 0.0))
                     self._paths[key] = path + speed * step, earlier
-        last = tuple(source for source in self._sources if source.onset > start - 1.5 * step)
-        self._now = FrameRubbing(number, start, step, moving, dict(self._paths), last)
+        last = tuple(source for source in self._sources if source.onset > since - 1.5 * step)
+        self._now = FrameRubbing(frame.number, since, step, moving, dict(self._paths), last)
 
-    def sources(self, bodies: Sequence[Body], textures: RuleTable[Texture]) -> tuple[Source, ...]:
-        """The sources of the frame that was followed last, by the materials of ``bodies`` and by
-        these rules."""
+    def _of_frame(self, bodies: Sequence[Body], textures: RuleTable[Texture]) -> tuple[Source, ...]:
+        """The sources of the last frame, by the materials of ``bodies`` and by these rules."""
         new = [source for item in self._now.moving for source in self._of(item, bodies, textures)]
         there = {item.names: item.positions for item in self._now.moving}
         last = [
@@ -195,8 +191,7 @@ class SlidingAndRolling:
             else source
             for source in self._now.last
         ]
-        self._sources = (*last, *new)
-        return self._sources
+        return (*last, *new)
 
     def _of(
         self, item: _Moving, bodies: Sequence[Body], textures: RuleTable[Texture]
@@ -234,8 +229,13 @@ class SlidingAndRolling:
         """Phase of the tone, in cycles, in the middle of a piece, half a frame before its end."""
         path, earlier = self._now.paths[(*item.names, rolls)]
         left = earlier / period
-        part = ((self._now.number - 1) % self._block + 1) / self._block
+        part = ((self._now.number - 1) % EXACT_FRAMES + 1) / EXACT_FRAMES
         return (path - speed * self._now.step / 2) / period + (left - round(left)) * (1.0 - part)
+
+
+def _middles(bodies: Sequence[Body]) -> FloatArray:
+    """The middles (n, 3) of the bounds of bodies, in their own space."""
+    return np.array([body.shape.local_bounds.mean(axis=0) for body in bodies]).reshape(-1, 3)
 
 
 @frozen

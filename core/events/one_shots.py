@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import repeat
 
 import numpy as np
 
 from ..arrays import FloatArray
+from ..contacts.shapes import pose_matrix
+from ..contacts.tracker import FrameContacts
 from ..frozen import frozen
 from ..scene.impact_rule import LEAST_PITCH
 from ..scene.rules import ContactSettings
-from ..scene.values import HapticObject, Source, SourceKind, TriggerKind
+from ..scene.values import Source, SourceKind, Trigger, TriggerKind
 from ..signals import Signal
-from .shapes import pose_matrix
-
-Places = Mapping[str, FloatArray]
-"""The current positions (3,) of objects' origins, by name."""
-Hit = tuple[tuple[str, str], float, float]
-"""An impact: objects, onset [s] and fraction of the full energy."""
+from .frame import Frame
 
 _NEAR = 1e-6
 """Metres from the boundary of a region within which a point is in it: poses are float32."""
@@ -60,101 +57,93 @@ def known_shots(source: Source, first: float = -math.inf, last: float = math.inf
 
 
 class OneShots:
-    """The active shots. ``delays``: longest delay of each source at the listeners [s], by name."""
+    """The active shots.
+
+    Attributes:
+        delays: longest delay of each source at the listeners [s], by name.
+        active: the shots that sound.
+    """
 
     def __init__(self) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Drop all shots and positions."""
         self.delays: Mapping[str, float] = {}
-        self.sounding: tuple[Shot, ...] = ()
+        self.active: tuple[Shot, ...] = ()
         self._found: list[Shot] = []
-        self._restored: set[Shot] = set()
+        self._restored: tuple[frozenset[Shot], float | None] = frozenset(), None
         # By source and number of its trigger: the last three positions of the object that may pass
         # the region, in the region's axes.
         self._paths: dict[tuple[str, int], list[FloatArray]] = {}
         self._levels: dict[str, float] = {}  # trigger values of the last frame, by source
 
-    def clear(self) -> None:
-        """Drop all shots and positions."""
-        self.delays = {}
-        self.sounding = ()
-        self._found.clear()
-        self._paths.clear()
-        self._levels.clear()
+    def snapshot(self) -> tuple[Shot, ...]:
+        """What `restore` needs of the last frame."""
+        return self.active
 
-    def restore(self, kept: Iterable[Shot], sources: Sequence[Source]) -> None:
-        """Restore those shots ``kept`` of which ``sources`` still have the trigger."""
-        known = {shot for source in sources for shot in known_shots(source)}
+    def restore(self, kept: Sequence[Shot], start: float | None, frame: Frame) -> None:
+        """Return to those shots ``kept`` of a ``frame`` that begins at ``start`` [s] of which its
+        sources still have the trigger."""
+        known = {shot for source in frame.sources for shot in known_shots(source)}
         now = {
             (source.name, trigger.on, trigger.object)
-            for source in sources
+            for source in frame.sources
             for trigger in source.triggers or ()
         }
-        self._restored = {
+        shots = frozenset(
             s
             for s in kept
             if (s in known if s.on is TriggerKind.TIMES else (s.source, s.on, s.object) in now)
-        }
-        self._found = list(self._restored)
+        )
+        self._restored = shots, start
+        self._found = list(shots)
 
     def follow(
-        self,
-        sources: Sequence[Source],
-        start: float | None,
-        time: float,
-        places: Places,
-        hits: Sequence[Hit],
-    ) -> None:
-        """Find the triggers between two frames.
-
-        Args:
-            sources: those with triggers.
-            start: time of the frame before [s], None for the first one.
-            time: of this frame [s].
-            places: positions (3,) of objects in this frame, by name.
-            hits: impacts since the frame before: names of both objects, time [s], and fraction of
-                the full energy.
-        """
-        before = self._levels
-        paths = self._paths
-        self._levels = {}
-        self._paths = {}
+        self, frame: Frame, since: float | None, found: FrameContacts, settings: ContactSettings
+    ) -> tuple[Source, ...]:
+        """The temporary sources of a ``frame``: of its triggers after ``since`` [s], the time of
+        the frame before (None without one), and of impacts ``found`` in it."""
+        sources = [source for source in frame.sources if source.triggers]
+        if not sources:
+            self.clear()
+            return ()
+        before, self._levels = self._levels, {}
+        paths, self._paths = self._paths, {}
+        places = _places(frame)
         for source, number, trigger in (
             (s, k, trigger) for s in sources for k, trigger in enumerate(s.triggers or ())
         ):
-            found = Shot(source.name, time, on=trigger.on, object=trigger.object)
+            shot = Shot(source.name, frame.time, on=trigger.on, object=trigger.object)
             if trigger.on is TriggerKind.HIT:
-                blows = [
-                    (names[names[0] == source.object], onset, energy)
-                    for names, onset, energy in hits
-                    if source.object in names
-                ]
-                self._found += [
-                    replace(found, onset=onset, strength=energy, by=other)
-                    for other, onset, energy in blows
-                ]
+                self._found += _struck(shot, source.object, frame.moving, found)
             elif trigger.on is TriggerKind.LEVEL:
                 self._levels[source.name] = trigger.value
-                if start is not None and before.get(source.name, 1.0) <= 0 < trigger.value:
-                    self._found.append(replace(found, strength=min(trigger.value, 1.0)))
+                if since is not None and before.get(source.name, 1.0) <= 0 < trigger.value:
+                    self._found.append(replace(shot, strength=min(trigger.value, 1.0)))
             elif (
                 trigger.on is TriggerKind.PASSING
                 and (position := places.get(trigger.object)) is not None
             ):
-                region = pose_matrix(trigger.pose)
                 path = [
                     *paths.get((source.name, number), ())[-2:],
-                    region[:3, :3].T @ (position - region[:3, 3]),
+                    _in_region(trigger, position),
                 ]
                 self._paths[source.name, number] = path
                 way = entry(path, np.array(trigger.size) / 2)
-                if start is not None and way is not None:
-                    self._found.append(replace(found, onset=start + way * (time - start)))
+                if since is not None and way is not None:
+                    self._found.append(replace(shot, onset=since + way * (frame.time - since)))
+        (restored, start), self._restored = self._restored, (frozenset(), None)
+        if start is None:
+            start = frame.time - frame.duration if since is None else since
+        return self._sources(sources, start, frame, restored, settings)
 
-    def sources(
+    def _sources(
         self,
         sources: Sequence[Source],
         start: float,
-        time: float,
-        objects: Sequence[HapticObject],
+        frame: Frame,
+        restored: frozenset[Shot],
         settings: ContactSettings,
     ) -> tuple[Source, ...]:
         """The active temporary sources.
@@ -162,15 +151,11 @@ class OneShots:
         Args:
             sources: those with triggers.
             start: beginning of the frame [s].
-            time: its end [s].
-            objects: of the scene, whose materials rules may name.
+            frame: the frame.
+            restored: shots that sound in it.
             settings: with the rules of impacts.
         """
-        material = (
-            {item.name: item.material for item in objects}
-            if self._found or any(source.triggers for source in sources)
-            else {}
-        )
+        material = {item.name: item.material for item in frame.objects}
         playing: dict[str, tuple[Shot, Source]] = {}
         for source in sources:
             template = source.emitted
@@ -178,16 +163,16 @@ class OneShots:
                 start - template.duration / LEAST_PITCH - max(self.delays.values(), default=0.0)
             )
             shots = [
-                *known_shots(source, earliest, time),
+                *known_shots(source, earliest, frame.time),
                 *(shot for shot in self._found if shot.source == source.name),
             ]
             for shot in sorted(shots, key=lambda shot: (shot.onset, -shot.strength)):
-                if shot.onset > time or shot.name in playing:
+                if shot.onset > frame.time or shot.name in playing:
                     continue
                 signal, strength = _played(shot, template, source.object, material, settings)
                 if (
                     shot.onset + signal.duration + self.delays.get(shot.name, 0.0) > start
-                    or shot in self._restored
+                    or shot in restored
                 ):
                     begun = replace(
                         source,
@@ -200,10 +185,40 @@ class OneShots:
                         shot,
                         replace(begun, signal=signal, amplitude=source.amplitude * strength),
                     )
-        self.sounding = tuple(shot for shot, _ in playing.values())
-        self._found = [shot for shot in self.sounding if shot.on is not TriggerKind.TIMES]
-        self._restored.clear()
+        self.active = tuple(shot for shot, _ in playing.values())
+        self._found = [shot for shot in self.active if shot.on is not TriggerKind.TIMES]
         return tuple(source for _, source in playing.values())
+
+
+def _places(frame: Frame) -> dict[str, FloatArray]:
+    """The positions (3,) of the objects' origins, by name."""
+    if frame.transforms is not None:
+        return dict(zip(frame.moving, frame.transforms[:, :3, 3], strict=True))
+    return {
+        item.name: np.array(item.pose.position) for item in frame.objects if item.pose is not None
+    }
+
+
+def _struck(shot: Shot, carrier: str, names: Sequence[str], found: FrameContacts) -> list[Shot]:
+    """A shot like ``shot`` for each impact ``found`` of its ``carrier``; ``names``: of the
+    bodies."""
+    pairs = [(tuple(names[row] for row in impact.objects), impact) for impact in found.impacts]
+    return [
+        replace(
+            shot,
+            onset=impact.time,
+            strength=impact.amplitude,
+            by=pair[pair[0] == carrier],
+        )
+        for pair, impact in pairs
+        if carrier in pair
+    ]
+
+
+def _in_region(trigger: Trigger, position: FloatArray) -> FloatArray:
+    """A position in the axes of the region of a trigger."""
+    region = pose_matrix(trigger.pose)
+    return region[:3, :3].T @ (position - region[:3, 3])
 
 
 def _played(
