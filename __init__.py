@@ -12,6 +12,7 @@ Outside Blender this is the package ``haptic_tracing``; inside it is the extensi
 from __future__ import annotations
 
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from .core import __version__ as __version__
@@ -51,16 +52,29 @@ def __dir__() -> list[str]:
 
 def register() -> None:
     """Called by Blender when the extension is enabled."""
+    _registration().register()
+
+
+def unregister() -> None:
+    """Called by Blender when the extension is disabled."""
+    _registration().unregister()
+
+
+def add_plugin(name: str, plugin: ModuleType) -> None:
+    """Called by another extension when it is registered: it offers formats or more."""
+    _registration().add_plugin(name, plugin)
+
+
+def remove_plugin(name: str) -> None:
+    """Called by the other extension when it is unregistered."""
+    _registration().remove_plugin(name)
+
+
+def _registration() -> Any:
+    """The part of the add-on that registers it."""
     from .addon import gateway
 
     gateway.install()
     from .addon import registration
 
-    registration.register()
-
-
-def unregister() -> None:
-    """Called by Blender when the extension is disabled."""
-    from .addon import registration
-
-    registration.unregister()
+    return registration

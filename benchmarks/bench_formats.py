@@ -32,7 +32,7 @@ from pathlib import Path
 import numpy as np
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.io.catalogue import named
+from haptic_tracing.core.formats.io.catalogue import formats, named
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Listener
@@ -177,7 +177,7 @@ def similarity(source: np.ndarray, again: np.ndarray) -> float:
 
 
 def run(
-    names: Sequence[str] = tuple(registry.FORMATS), seconds: float = 150.0, listeners: int = 10
+    names: Sequence[str] = tuple(formats()), seconds: float = 150.0, listeners: int = 10
 ) -> list[Row]:
     """All formats, each in a process of its own."""
     context = multiprocessing.get_context("spawn")
@@ -198,9 +198,7 @@ def main() -> None:
     )
     parser.add_argument("--seconds", type=float, default=150.0)
     parser.add_argument("--listeners", type=int, default=10)
-    parser.add_argument(
-        "--formats", nargs="+", default=list(registry.FORMATS), choices=list(registry.FORMATS)
-    )
+    parser.add_argument("--formats", nargs="+", default=list(formats()), choices=list(formats()))
     options = parser.parse_args()
     rows = run(options.formats, options.seconds, options.listeners)
     cells = [

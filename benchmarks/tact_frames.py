@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from haptic_tracing.core.formats.tracks import tact
+from haptic_tracing.plugins.bhaptics import tact
 from haptic_tracing.core.scene.bhaptics import DEVICES, region
 from haptic_tracing.core.scene.body import BODY_PARTS
 from numpy.typing import NDArray

@@ -11,12 +11,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..core.formats.io.catalogue import FORMATS, READERS
+from ..core.formats.io.catalogue import formats, readers
 from ..sample_scenes import SAMPLES
 
 Parser = argparse.ArgumentParser
 
-FORMAT_NAMES = f"{', '.join(FORMATS)}, or all"
+FORMAT_NAMES = f"{', '.join(formats())}, or all"
 
 
 class Subcommand(NamedTuple):
@@ -252,7 +252,7 @@ def _convert(parser: Parser) -> None:
         parser,
         "source",
         "IN",
-        f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
+        f"{', '.join(readers())}, or a scene: .json, .json.gz; -: standard input",
         type=Path,
     )
     _add(
@@ -263,13 +263,13 @@ def _convert(parser: Parser) -> None:
         type=Path,
     )
     _add_from(parser)
-    parser.add_argument("--to", choices=tuple(FORMATS), help="the format of - as a target")
+    parser.add_argument("--to", choices=tuple(formats()), help="the format of - as a target")
     _add_format_options(parser)
     _add_old_format_options(parser)
 
 
 def _add_from(parser: Parser) -> None:
-    parser.add_argument("--from", dest="read_as", choices=tuple(FORMATS), help="the format of -")
+    parser.add_argument("--from", dest="read_as", choices=tuple(formats()), help="the format of -")
 
 
 def _play(parser: Parser) -> None:
@@ -277,7 +277,7 @@ def _play(parser: Parser) -> None:
         parser,
         "file",
         "FILE",
-        f"{', '.join(READERS)}, or a scene: .json, .json.gz; -: standard input",
+        f"{', '.join(readers())}, or a scene: .json, .json.gz; -: standard input",
         type=Path,
     )
     _add_from(parser)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core.formats import haptic_scene, registry
 from ..core.formats.export import Export
-from ..core.formats.io.catalogue import named
+from ..core.formats.io.catalogue import named, track_formats
 from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ..core.formats.tracks.vibration_file import Channel, VibrationFile
 from . import say, warn_of_unknown
@@ -61,7 +61,7 @@ def _converted(source: Path, target: Path, options: list[str]) -> tuple[str, reg
         tracks = "none" if export.tracks is None else "inline"
         files = haptic_scene.write_export(export, target, tracks=tracks, encoding="float32")
         return "scene", registry.Written(tuple(files), ())
-    names = {named(name).suffix: name for name in registry.FORMATS if name != "scene"}
+    names = {form.suffix: name for name, form in track_formats().items()}
     if target.suffix.lower() not in names:
         raise ValueError(
             f"{target}: can't be written: the ending must be one of {', '.join(names)}"

@@ -13,7 +13,7 @@ from typing import TextIO
 from ..core.diagnosis.doubts import doubts
 from ..core.formats import registry
 from ..core.formats.export import Export
-from ..core.formats.io.catalogue import Value, named, value_of
+from ..core.formats.io.catalogue import Value, formats, named, value_of
 from ..core.formats.io.file_names import file_stem
 from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.forms import JsonObject
@@ -30,7 +30,7 @@ LONGEST = 3600.0
 def run(args: argparse.Namespace) -> int:
     """Read, render missing tracks, write, print. Returns exit code 0."""
     if not args.to and not args.methods:
-        raise ValueError(f"--to: say at least one of {', '.join(registry.FORMATS)}")
+        raise ValueError(f"--to: say at least one of {', '.join(formats())}")
     names = chosen_formats(args.to) if args.to else []
     chosen = chosen_options(args.options, names)
     if not 0 < args.seconds <= LONGEST:
@@ -104,7 +104,7 @@ def _with_picture(
 
 def chosen_formats(text: str) -> list[str]:
     """The formats in ``text``, each once; ``all`` are all of them."""
-    return list(registry.FORMATS) if text == "all" else list(dict.fromkeys(text.split(",")))
+    return list(formats()) if text == "all" else list(dict.fromkeys(text.split(",")))
 
 
 def writable(

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core.arrays import FloatArray
 from ..core.formats import registry
-from ..core.formats.io.catalogue import READERS
+from ..core.formats.io.catalogue import named, readers
 from ..core.formats.tracks.comparison import ListenerFidelity
 from ..core.formats.tracks.listener_tracks import Tracks
 
@@ -46,7 +46,7 @@ def write_picture(
     readable = [
         path
         for path in written.files
-        if READERS.get(path.suffix) == name and ".transients." not in path.name
+        if readers().get(path.suffix) == name and ".transients." not in path.name
     ]
     channels = [channel for path in readable for channel in registry.read(path).channels]
     if not channels or len(channels) != len(tracks.listeners):
@@ -64,7 +64,7 @@ def write_picture(
         if written.fidelity is None
         else {listener.name: listener for listener in written.fidelity.listeners}
     )
-    _draw(pairs, losses, tracks.sample_rate, f"{stem}, {registry.FORMATS[name].label}", path)
+    _draw(pairs, losses, tracks.sample_rate, f"{stem}, {named(name).label}", path)
     return path
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from haptic_tracing.core.formats.io.catalogue import FORMATS
+from haptic_tracing.core.formats.io.catalogue import formats as known_formats
 from haptic_tracing.core.formats.io.scene_schema import scene_schema
 
 HERE = Path(__file__).resolve().parent
@@ -45,7 +45,7 @@ def formats(text: str) -> str:
     rows = (
         f"| `{form.name}` | {', '.join(f'`{name}`' for name in form.files.split())} | "
         f"{'yes' if form.is_read else ''} | {form.carries} |\n"
-        for form in FORMATS.values()
+        for form in known_formats().values()
     )
     return before + head + "".join(rows) + "\n" + after.split("\n\n", 1)[1]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ...core.declaration import Declaration, Number
 from ...core.formats import haptic_scene, registry
-from ...core.formats.io.catalogue import FORMATS, Value, named
+from ...core.formats.io.catalogue import Format, Value, named, track_formats
 from ..bake import playback
 from ..blender import job
 from ..blender.polling import Action
@@ -27,8 +27,6 @@ from ..properties.kinds import FRAMES, choice, switch, text, whole
 if TYPE_CHECKING:
     from ...core.formats.export import Export
 
-TRACK_FORMATS = tuple(name for name in FORMATS if name != "scene")
-TRACK_ENDINGS = tuple(named(name).suffix for name in TRACK_FORMATS)
 SCENE_ENDINGS = (".json.gz", ".json")
 LINE = 34
 """Width of the file browser's sidebar in characters."""
@@ -209,13 +207,17 @@ class HAPTIC_OT_export_scene(RangeExport, Action):
         }
 
 
-def option_properties(names: tuple[str, ...]) -> dict[str, Any]:
-    """Annotations of an operator: ``<format>_<option>`` for every option of the formats
-    ``names``."""
+def track_endings() -> tuple[str, ...]:
+    """The file name endings of the formats of tracks."""
+    return tuple(form.suffix for form in track_formats().values())
+
+
+def option_properties(formats: Mapping[str, Format]) -> dict[str, Any]:
+    """Annotations of an operator: ``<format>_<option>`` for every option of the formats."""
     return {
         f"{name}_{key}": property_of(option)
-        for name in names
-        for key, option in named(name).options.items()
+        for name, form in formats.items()
+        for key, option in form.options.items()
     }
 
 
@@ -245,19 +247,24 @@ class HAPTIC_OT_export_tracks(RangeExport, Action):
     bl_idname = "export_scene.haptic_tracks"
     bl_label = "Export Haptic Tracks"
     bl_options = {"PRESET"}
-    endings = TRACK_ENDINGS
-    __annotations__ = {
-        "filter_glob": StringProperty(
-            default=";".join(f"*{ending}" for ending in TRACK_ENDINGS), options={"HIDDEN"}
-        ),
-        "format": choice(
-            "Format",
-            "Where it will be felt",
-            tuple((name, named(name).label, "") for name in TRACK_FORMATS),
-            default="wav",
-        ),
-        **option_properties(TRACK_FORMATS),
-    }
+
+    @classmethod
+    def complete(cls) -> None:
+        """Before its registration: its properties follow from the formats that there are."""
+        formats = track_formats()
+        cls.endings = track_endings()
+        cls.__annotations__ = {
+            "filter_glob": StringProperty(
+                default=";".join(f"*{ending}" for ending in cls.endings), options={"HIDDEN"}
+            ),
+            "format": choice(
+                "Format",
+                "Where it will be felt",
+                tuple((name, form.label, "") for name, form in formats.items()),
+                default="wav",
+            ),
+            **option_properties(formats),
+        }
 
     @property
     def filename_ext(self) -> str:
@@ -422,4 +429,4 @@ def with_ending(path: str, known: Collection[str], ending: str) -> str:
 
 def export_name(path: str) -> str:
     """The chosen name without its ending, from which file names are made, "haptics" without one."""
-    return with_ending(Path(path).name, (*SCENE_ENDINGS, *TRACK_ENDINGS), "") or "haptics"
+    return with_ending(Path(path).name, (*SCENE_ENDINGS, *track_endings()), "") or "haptics"

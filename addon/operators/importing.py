@@ -10,7 +10,7 @@ from bpy.props import StringProperty
 from bpy.types import Context, Event
 
 from ...core.formats import haptic_scene, registry
-from ...core.formats.io.catalogue import READERS
+from ...core.formats.io.catalogue import readers
 from ..blender.polling import Edit, OnActive
 from ..io import scene_builder, vibration_signal
 from ..properties.kinds import switch, whole
@@ -62,11 +62,14 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive):
 
     bl_label = "Import Haptic Signal"
 
-    filter_glob: StringProperty(
-        default=";".join(f"*{suffix}" for suffix in READERS), options={"HIDDEN"}
-    )
     channel: whole("Channel", "Which one of the file's vibrations", 1, (1, 2**31 - 1), soft_max=32)
     loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
+
+    @classmethod
+    def complete(cls) -> None:
+        """Before its registration: which files are shown follows from the formats that there are."""
+        shown = ";".join(f"*{suffix}" for suffix in readers())
+        cls.__annotations__["filter_glob"] = StringProperty(default=shown, options={"HIDDEN"})
 
     def apply(self, context: Context) -> None:
         obj = context.object

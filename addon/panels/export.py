@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from bpy.types import Context, FileHandler, Menu, UILayout
 
-from ...core.formats.io.catalogue import FORMATS, READERS
+from ...core.formats.io.catalogue import readers, track_formats
 from ..blender import job
 from ..blender.words import show, ui_text
 from ..io import last_export
@@ -82,7 +82,11 @@ class HAPTIC_FH_tracks(_OntoObject, FileHandler):
     bl_label = "Haptic Tracks"
     bl_import_operator = "haptic.import_signal"
     bl_export_operator = "export_scene.haptic_tracks"
-    bl_file_extensions = ";".join(READERS)
+
+    @classmethod
+    def complete(cls) -> None:
+        """Before its registration: the files follow from the formats that there are."""
+        cls.bl_file_extensions = ";".join(readers())
 
 
 class HAPTIC_FH_sound(_OntoObject, FileHandler):
@@ -101,7 +105,7 @@ def draw_export(self: Menu, context: Context) -> None:
     """Entries of File > Export."""
     self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
     self.layout.operator("export_scene.haptic_engine", text="Haptics for an Engine (.glb)")
-    endings = "/".join(form.suffix for form in FORMATS.values() if form.name != "scene")
+    endings = "/".join(form.suffix for form in track_formats().values())
     _draw_entry(self.layout, "export_scene.haptic_tracks", ui_text("Haptic Tracks"), endings)
 
 
@@ -112,7 +116,7 @@ def draw_import(self: Menu, context: Context) -> None:
         self.layout,
         "haptic.import_signal",
         ui_text("Haptic Signal for the Active Object"),
-        "/".join(READERS),
+        "/".join(readers()),
     )
     title = ui_text("Sound for the Active Object")
     _draw_entry(self.layout, "haptic.import_sound", title, "/".join(SOUNDS))

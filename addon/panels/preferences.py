@@ -5,9 +5,10 @@ from __future__ import annotations
 import rna_keymap_ui
 from bpy.types import AddonPreferences, Context, KeyMapItem, UILayout
 
+from ...core import plugins
 from ..blender.extension import ROOT
 from ..properties.preferences import PreferenceProperties
-from .drawing import draw_each, settings_layout
+from .drawing import draw_each, settings_layout, warn
 
 _KEYMAPS = ("3D View", "Screen")
 
@@ -28,7 +29,14 @@ class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
         draw_each(
             layout.column(heading="Devices"), self, "default_device", "keep_awake", "haptic_players"
         )
+        draw_failures(layout)
         draw_shortcuts(layout, context)
+
+
+def draw_failures(layout: UILayout) -> None:
+    """Draw the plug-ins that are left out, and why."""
+    for name, reason in plugins.failures.items():
+        warn(layout.column(heading="Plug-ins"), f"{name}: {reason}")
 
 
 def draw_shortcuts(layout: UILayout, context: Context) -> None:

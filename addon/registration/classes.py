@@ -76,4 +76,12 @@ CLASSES = (
 )
 """All classes, a panel before its subpanels."""
 
-register, unregister = bpy.utils.register_classes_factory(CLASSES)
+_register, unregister = bpy.utils.register_classes_factory(CLASSES)
+
+
+def register() -> None:
+    """Register them, those completed that depend on the formats that there are."""
+    for cls in CLASSES:
+        if hasattr(cls, "complete"):
+            cls.complete()
+    _register()

@@ -9,6 +9,7 @@ from typing import TypedDict
 
 import bpy
 
+from ...core import plugins
 from ...core.message import Cause
 
 LOCALES = {"german": ("de_DE", "de")}
@@ -28,8 +29,12 @@ class Language(TypedDict):
 
 
 def read_language(name: str) -> Language:
-    """The texts of the language ``name``."""
+    """The texts of the language ``name``, those of plug-ins among them."""
     language: Language = json.loads(Path(__file__).with_name(f"{name}.json").read_text("utf-8"))
+    for plugin in plugins.plugins().values():
+        path = Path(plugin.__file__ or "").with_name(f"{name}.json")
+        if path.is_file():
+            language["messages"] |= json.loads(path.read_text("utf-8"))
     return language
 
 

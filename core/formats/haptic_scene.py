@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..forms import Form
 from .export import Export
-from .io.catalogue import FORMATS
+from .io.catalogue import SCENE
 from .io.strict_json import read_json
 from .scene.frames_json import frame_to_dict, recording_from_dict
 from .scene.lists_json import device_to_dict, devices_from_dict, materials_from_dict
@@ -26,7 +26,7 @@ from .tracks import wav
 from .tracks.comparison import Comparison, Kind, Measures
 from .tracks.track_export import credit, scene_file
 
-SUFFIX = FORMATS["scene"].suffix
+SUFFIX = SCENE.suffix
 
 
 def loss(export: Export, options: Form) -> Iterator[str]:
@@ -57,7 +57,7 @@ def write(
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
     if export.tracks is not None and measured is not None:
         wav.compare_encoded(options["encoding"], measured)
-    path = scene_file(export.name, folder, "scene")
+    path = scene_file(export.name, folder, SUFFIX)
     path = path.with_name(f"{path.name}.gz") if options["compressed"] else path
     return write_export(
         export,

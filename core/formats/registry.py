@@ -1,6 +1,6 @@
 """Writes and reads all formats by name.
 
-A format is an entry of `io.catalogue` and a module with ``write(export, folder, options,
+A format is a `Format` of `io.catalogue` and a module with ``write(export, folder, options,
 measured)``, ``loss(export, options)`` and ``measures(options)``; one that can be imported also has
 ``read(path)``.
 """
@@ -17,9 +17,7 @@ from typing import Any, cast
 from ..frozen import frozen
 from .export import Export
 from .io.atomic import staging
-from .io.catalogue import FORMATS as FORMATS
-from .io.catalogue import READERS as READERS
-from .io.catalogue import Format, Value, complete, named
+from .io.catalogue import Format, Value, complete, named, readers
 from .io.error import FormatError
 from .tracks.comparison import Comparison, Fidelity
 from .tracks.comparison import sentences as sentences
@@ -107,12 +105,13 @@ def write(
 def read(path: str | Path) -> VibrationFile:
     """The vibrations in a file, by its suffix. Raises FormatError or OSError."""
     path = Path(path)
-    if path.suffix.lower() not in READERS:
+    known = readers()
+    if path.suffix.lower() not in known:
         raise FormatError(
-            path, "/", f"can't be imported: the ending must be one of {', '.join(READERS)}"
+            path, "/", f"can't be imported: the ending must be one of {', '.join(known)}"
         )
     try:
-        return cast(VibrationFile, _module(named(READERS[path.suffix.lower()])).read(path))
+        return cast(VibrationFile, _module(named(known[path.suffix.lower()])).read(path))
     except FormatError:
         raise
     except ValueError as error:  # a vibration beyond the limits of signals
@@ -120,4 +119,4 @@ def read(path: str | Path) -> VibrationFile:
 
 
 def _module(form: Format) -> Any:
-    return import_module(f".{form.module}", __package__)
+    return import_module(form.module)

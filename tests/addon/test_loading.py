@@ -26,6 +26,7 @@ LEAVES = {
     "modalities",
     "modalities.modality",
     "modalities.thermal",
+    "plugins",
     "perception",  # closed forms: a listener has a calibration
     "render",
 }

@@ -44,7 +44,7 @@ def test_the_template_is_valid_and_has_a_task_per_part():
     ("given", "left_out"),
     [
         (["a.blend", "--frames", "1:9", "--job-template"], "leave out file frames;"),
-        (["--job-template", "--to", "csv"], "leave out --to csv;"),
+        (["--job-template", "--to", "hjif"], "leave out --to hjif;"),
     ],
 )
 def test_arguments_that_the_template_does_not_take_are_refused(capsys, given, left_out):

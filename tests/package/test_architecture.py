@@ -80,6 +80,22 @@ def test_scene_files_become_results_through_the_front_door_alone(found):
     assert users.isdisjoint({"study", "command_line"})
 
 
+def test_plug_ins_import_public_modules_alone(found, root):
+    """Those in the table of docs/plugins.md, and their own."""
+    page = (root / "docs" / "plugins.md").read_text(encoding="utf-8").split("## Public modules")[1]
+    rows = [line.split("|")[1] for line in page.splitlines() if line.startswith("| `")]
+    public = {name for row in rows for name in re.findall(r"`([\w.]+)`", row)}
+    assert public <= modules(root).keys()
+    imported = [one for one in found if one.own and one.importer.startswith("plugins.")]
+    assert imported
+    assert [
+        str(one)
+        for one in imported
+        if one.imported not in public
+        and one.imported.split(".")[:2] != one.importer.split(".")[:2]
+    ] == []
+
+
 def test_imports_stand_at_the_head_of_a_module(found):
     inside = [one for one in found if one.inside]
     assert [str(one) for one in inside if one.own and one.importer not in GATEWAYS] == []

@@ -7,7 +7,7 @@ from fnmatch import fnmatch
 import pytest
 from haptic_tracing.core.message import Cause
 
-PARTS = ("addon", "command_line", "core", "pictures", "sample_scenes", "study")
+PARTS = ("addon", "command_line", "core", "pictures", "plugins", "sample_scenes", "study")
 # The places where one machine keeps its own files: home folders, workplaces, Windows profiles.
 MACHINE_PATH = re.compile(
     r"(?<![\w.:/-])(?:/(?:root|work|farm)/|/(?:home|Users)/\w|[A-Z]:\\Users\\\w)"

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
+PARTS = ("core", "addon", "sample_scenes", "pictures", "study", "command_line", "plugins")
 
 
 LAYERS = (
-    ("core.forms", "core.frozen"),
+    ("core.forms", "core.frozen", "core.plugins"),
     ("core.declaration",),
     ("core.arrays", "core.message", "core.regular_file", "core.unchanged"),
     ("core.signals", "core.perception"),
@@ -38,6 +38,7 @@ LAYERS = (
     ("pictures",),
     ("study",),
     ("command_line",),
+    ("plugins",),
 )
 """From the lowest layer up. Layers of one row do not import each other."""
 

@@ -1,14 +1,12 @@
-"""The formats by name, with their options, described for menus and command lines. Does not import
-the modules that write and read them."""
+"""The formats by name, those of plug-ins among them, with their options, described for menus and
+command lines. Does not import the modules that write and read them."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import field
-from pathlib import Path
-from types import MappingProxyType
 
+from ... import plugins
 from ...declaration import Choice, Declaration, Number, Switch
 from ...forms import JsonObject
 from ...frozen import frozen
@@ -53,11 +51,11 @@ def complete(options: Mapping[str, Declaration], chosen: Mapping[str, Value]) ->
     return values
 
 
-@frozen
+@frozen(kw_only=True)
 class Format:
-    """``label``: its name in menus. ``suffix``: of its files. ``module``: the module in
-    `core.formats` that writes and, if it ``is_read``, reads it. ``files``: patterns of the names of
-    its files. ``carries``: what they hold. ``options``: by their names."""
+    """``label``: its name in menus. ``suffix``: of its files. ``module``: the name of the module
+    that writes and, if it ``is_read``, reads it. ``files``: patterns of the names of its files.
+    ``carries``: what they hold. ``options``: by their names."""
 
     name: str
     label: str
@@ -69,38 +67,70 @@ class Format:
     options: Mapping[str, Declaration] = field(default_factory=dict)
 
 
-def _format(form: JsonObject) -> Format:
-    options = {item.pop("name"): _option(item) for item in form.pop("options", ())}
-    return Format(**form, options=options)
-
-
-def _option(form: JsonObject) -> Declaration:
-    """The declaration of an option: of the kind of its default."""
-    match form["shown"]:
-        case bool():
-            return Switch(**form)
-        case str():
-            return Choice(**form | {"items": {value: (value, "") for value in form["items"]}})
-        case int():
-            return Number(whole=True, **form)
-        case _:
-            return Number(digits=3, **form)
-
-
-FORMATS: Mapping[str, Format] = MappingProxyType(
-    {
-        form["name"]: _format(form)
-        for form in json.loads(Path(__file__).with_name("formats.json").read_text("utf-8"))
-    }
+_PACKAGE = __package__.rpartition(".")[0]
+_ENCODING = Choice(
+    shown="pcm16",
+    label="Encoding",
+    about="16 bit, or float without any loss of range",
+    items={"pcm16": ("pcm16", ""), "float32": ("float32", "")},
 )
-"""The formats by name."""
-
-READERS: Mapping[str, str] = MappingProxyType(
-    {form.suffix: form.name for form in FORMATS.values() if form.is_read and form.name != "scene"}
+SCENE = Format(
+    name="scene",
+    label="Haptic scene (JSON)",
+    suffix=".json",
+    module=f"{_PACKAGE}.haptic_scene",
+    files="<scene>.json .json.gz .tracks.wav",
+    carries="everything",
+    is_read=True,
+    options={
+        "frames": Switch(shown=True, label="Frames", about="Changes over time"),
+        "tracks": Choice(
+            shown="none",
+            label="Tracks",
+            about="Rendered tracks: not written, in the file itself, or in a WAV file",
+            items={"none": ("none", ""), "inline": ("inline", ""), "wav": ("wav", "")},
+        ),
+        "encoding": _ENCODING,
+        "compressed": Switch(shown=False, label="Compressed", about="Write .json.gz"),
+    },
 )
-"""The format of each suffix of files from which a vibration can be read."""
+WAV = Format(
+    name="wav",
+    label="WAV, a channel per listener",
+    suffix=".wav",
+    module=f"{_PACKAGE}.tracks.wav",
+    files="<scene>.wav <scene>.wav.json",
+    carries="samples, names, body parts, impacts",
+    is_read=True,
+    options={
+        "encoding": _ENCODING,
+        "sample_rate": Number(
+            shown=0,
+            label="Sample rate",
+            about="Hertz; 0: that of the tracks",
+            low=0,
+            high=MAX_SAMPLE_RATE,
+            whole=True,
+        ),
+    },
+)
+
+
+def formats() -> dict[str, Format]:
+    """The formats by name."""
+    return {form.name: form for form in (SCENE, WAV, *plugins.offered("formats"))}
+
+
+def track_formats() -> dict[str, Format]:
+    """The formats of tracks by name."""
+    return {name: form for name, form in formats().items() if form != SCENE}
+
+
+def readers() -> dict[str, str]:
+    """The format of each suffix of files from which a vibration can be read."""
+    return {form.suffix: name for name, form in track_formats().items() if form.is_read}
 
 
 def named(name: str) -> Format:
     """A format by its name. Raises ValueError, which lists the names, for any other."""
-    return references.named(name, FORMATS, "format")
+    return references.named(name, formats(), "format")

@@ -1,5 +1,5 @@
-"""Validation by the JSON Schemas of core/formats/schemas, with errors that give file, JSON pointer
-and reason."""
+"""Validation by JSON Schemas, those of core/formats/schemas and of plug-ins, with errors that give
+file, JSON pointer and reason."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ version."""
 _LONGEST_VALUE = 60
 
 
-def validate(document: Any, schema: str, file: str | Path) -> None:
-    """Raise FormatError unless ``document``, read from ``file``, is valid by
-    ``schemas/<schema>.schema.json``."""
+def validate(document: Any, schema: str | Path, file: str | Path) -> None:
+    """Raise FormatError unless ``document``, read from ``file``, is valid by a schema: a file, or
+    the name of one in ``schemas``."""
     fault = _fault(document, schema)
     if fault is not None:
         raise FormatError(file, json_pointer(fault.place), fault.reason)
@@ -80,7 +80,7 @@ class _Fault:
     unknown: bool
 
 
-def _fault(document: Any, schema: str) -> _Fault | None:
+def _fault(document: Any, schema: str | Path) -> _Fault | None:
     import fastjsonschema
 
     try:
@@ -99,10 +99,13 @@ def _fault(document: Any, schema: str) -> _Fault | None:
     return None
 
 
-def load_schema(schema: str) -> JsonObject:
-    """The schema as a JSON document. ``haptic-scene-1.1#NAME``: that of an object with any of the
-    properties of the definition NAME; ``run-time-1#NAME``: that of a message, whose parts are those
-    of scenes."""
+def load_schema(schema: str | Path) -> JsonObject:
+    """The schema of a file, or by its name, as a JSON document. ``haptic-scene-1.1#NAME``: that of
+    an object with any of the properties of the definition NAME; ``run-time-1#NAME``: that of a
+    message, whose parts are those of scenes."""
+    if isinstance(schema, Path):
+        document: JsonObject = json.loads(schema.read_text("utf-8"))
+        return document
     name, _, part = schema.partition("#")
     if name == MESSAGES:
         messages = json.loads((SCHEMAS / f"{MESSAGES}.schema.json").read_text("utf-8"))
@@ -115,8 +118,7 @@ def load_schema(schema: str) -> JsonObject:
             if part
             else scene
         )
-    document: JsonObject = json.loads((SCHEMAS / f"{schema}.schema.json").read_text("utf-8"))
-    return document
+    return load_schema(SCHEMAS / f"{schema}.schema.json")
 
 
 def _alone(schema: JsonObject, definitions: JsonObject) -> JsonObject:
@@ -131,7 +133,7 @@ def _alone(schema: JsonObject, definitions: JsonObject) -> JsonObject:
 
 
 @cache
-def _validator(schema: str) -> Callable[[Any], Any]:
+def _validator(schema: str | Path) -> Callable[[Any], Any]:
     """What raises an exception for a document that is not valid.
 
     Exceptions have their part of the schema from a table, and messages without the name of what is

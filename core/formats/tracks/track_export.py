@@ -8,7 +8,6 @@ from typing import Protocol
 
 from ...forms import Form
 from ...scene.body import BODY_PART, BodyPart
-from ..io.catalogue import FORMATS
 from ..io.file_names import file_stem, file_stems
 from .listener_tracks import ListenerTrack, Row, Tracks
 
@@ -42,9 +41,9 @@ def body_part_of(listener: ListenerTrack) -> BodyPart | None:
 
 
 def listener_files(
-    export: TrackExport, folder: Path, form: str
+    export: TrackExport, folder: Path, suffix: str
 ) -> Iterator[tuple[int, ListenerTrack, Row, Path]]:
-    """Number, name and samples of each listener, and the path of its file in the format ``form``:
+    """Number, name and samples of each listener, and the path of its file:
     ``<scene>.<listener><suffix>``, or ``<scene><suffix>`` for the only one."""
     tracks = export.need_tracks()
     names = (
@@ -55,12 +54,12 @@ def listener_files(
     for number, (listener, stem) in enumerate(
         zip(tracks.listeners, file_stems(names), strict=True)
     ):
-        yield number, listener, tracks.row(number), folder / f"{stem}{FORMATS[form].suffix}"
+        yield number, listener, tracks.row(number), folder / f"{stem}{suffix}"
 
 
-def scene_file(name: str, folder: Path, form: str) -> Path:
-    """``<name><suffix>`` in the format ``form``, with ``name`` made safe for every file system."""
-    return folder / f"{file_stem(name)}{FORMATS[form].suffix}"
+def scene_file(name: str, folder: Path, suffix: str) -> Path:
+    """``<name><suffix>``, with ``name`` made safe for every file system."""
+    return folder / f"{file_stem(name)}{suffix}"
 
 
 def common_losses(tracks: Tracks, *, body: bool) -> Iterator[str]:

@@ -63,7 +63,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
     original = export.need_tracks()
     tracks = at_rate(original, options["sample_rate"])
-    path = scene_file(export.name, folder, "wav")
+    path = scene_file(export.name, folder, ".wav")
     write_wav(tracks, path, options["encoding"], credit(export))
     if tracks is original:
         compare_encoded(options["encoding"], measured)

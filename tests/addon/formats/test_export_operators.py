@@ -12,6 +12,7 @@ from haptic_tracing.addon.operators import exporting
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.core.formats.scene.recording import states
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
@@ -109,7 +110,7 @@ def test_packed_and_inline(shaken, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in registry.FORMATS if name != "scene"])
+@pytest.mark.parametrize("name", [name for name in catalogue.formats() if name != "scene"])
 def test_every_format_is_written(shaken, tmp_path, name):
     suffix = named(name).suffix
     target = tmp_path / f"ride{suffix}"
@@ -120,7 +121,7 @@ def test_every_format_is_written(shaken, tmp_path, name):
     assert any(path.name.endswith(suffix) for path in files) and not any(
         path.suffix == ".part" for path in files
     )
-    if suffix in registry.READERS:
+    if suffix in catalogue.readers():
         channels = [
             c for path in files if path.suffix == suffix for c in registry.read(path).channels
         ]

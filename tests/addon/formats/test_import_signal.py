@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
+from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.signals import Loop
 
@@ -26,7 +27,7 @@ def files(tmp_path):
     return {
         path.suffix: path
         for path in written
-        if path.suffix in registry.READERS and ".transients" not in path.name
+        if path.suffix in catalogue.readers() and ".transients" not in path.name
     }
 
 
@@ -37,7 +38,7 @@ def active(add_box):
     return box
 
 
-@pytest.mark.parametrize("suffix", list(registry.READERS))
+@pytest.mark.parametrize("suffix", list(catalogue.readers()))
 def test_a_file_becomes_the_signal_of_the_active_object(files, active, traced, tmp_path, suffix):
     assert bpy.ops.haptic.import_signal(filepath=str(files[suffix])) == {"FINISHED"}
     assert (
@@ -99,7 +100,7 @@ def test_files_that_can_be_dropped():
     assert scene.bl_import_operator == "import_scene.haptic_scene" and {".json", ".gz"} == set(
         scene.bl_file_extensions.split(";")
     )
-    assert tracks.bl_import_operator == "haptic.import_signal" and set(registry.READERS) == set(
+    assert tracks.bl_import_operator == "haptic.import_signal" and set(catalogue.readers()) == set(
         tracks.bl_file_extensions.split(";")
     )
     # There is no viewport here.

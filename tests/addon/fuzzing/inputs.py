@@ -32,6 +32,7 @@ from haptic_tracing.core.devices.connection import DeviceError
 from haptic_tracing.core.devices.loopback import Player, messages_of
 from haptic_tracing.core.devices.profile_files import BUILT_IN, parse_profile
 from haptic_tracing.core.formats import haptic_scene, registry
+from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.propagation import Propagation
 from haptic_tracing.core.scene.functions.checking import check_expression
@@ -360,7 +361,7 @@ def _contents(files: list[Path], ending: str) -> tuple[bytes, ...]:
 
 def targets() -> dict[str, Target]:
     """All targets by name."""
-    endings = (".json", ".json.gz", *registry.READERS)
+    endings = (".json", ".json.gz", *catalogue.readers())
     files = [
         path
         for path in sorted(CORPUS.iterdir())

@@ -16,8 +16,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.sample_scenes import SAMPLES
 from scipy.io import wavfile
@@ -86,7 +86,7 @@ def test_from_building_to_the_files_of_all_formats(build, tmp_path, name):
     assert len(export.scene.listeners) == len(STORED[name]["listeners"])
     assert export.recording.frames[0].number == first
     share = list(SAMPLES).index(name) % SHARES
-    for kind in {"wav", *list(registry.FORMATS)[share::SHARES]} - {"scene"}:
+    for kind in {"wav", *list(catalogue.formats())[share::SHARES]} - {"scene"}:
         target = tmp_path / kind / f"{name}{named(kind).suffix}"
         target.parent.mkdir()
         arguments = {"format": kind, "frame_start": first, "frame_end": last}

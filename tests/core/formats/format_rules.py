@@ -3,18 +3,20 @@
 import json
 import struct
 from itertools import pairwise
+from pathlib import Path
 
+import haptic_tracing
 from haptic_tracing.core.formats.io.schema import load_schema, validate
 from jsonschema import Draft7Validator
 
+PLUGINS = Path(haptic_tracing.__file__).parent / "plugins"
 SCHEMAS = {
-    ".hjif": "hjif",
-    ".haptic": "haptic_v1",
-    ".haps": "haps_v5",
-    ".config": "wyvrn_haptic_config",
-    ".ahap": "ahap",
-    ".tact": "tact",
-    ".hla": "hla",
+    ".hjif": PLUGINS / "mpeg/hjif.schema.json",
+    ".haptic": PLUGINS / "meta/haptic_v1.schema.json",
+    ".haps": PLUGINS / "razer/haps_v5.schema.json",
+    ".config": PLUGINS / "razer/wyvrn_haptic_config.schema.json",
+    ".ahap": PLUGINS / "apple/ahap.schema.json",
+    ".tact": PLUGINS / "bhaptics/tact.schema.json",
 }
 LARGE = 300_000  # bytes, from which on jsonschema is given a rest
 VALIDATORS = {suffix: Draft7Validator(load_schema(name)) for suffix, name in SCHEMAS.items()}
@@ -157,14 +159,6 @@ def check_tact(document, duration):
             assert {point["index"] for point in feedback["pointList"]} <= indices
 
 
-def check_hla(document, duration):
-    assert len(document["Timings"]) == len(document["Amplitudes"])
-    assert (
-        document["Duration"] == sum(document["Timings"])
-        and abs(document["Duration"] - 1000 * duration) <= 20
-    )
-
-
 def check_wyvrn(document, folder):
     (command,) = document["ExternalCommands"]
     for event in command["Haptic_Events"]:
@@ -195,19 +189,6 @@ def check_wav(data, channels, count, rate):
     )
 
 
-def check_ohm(data, folder, masks):
-    assert data[:4] == b"OHM " and struct.unpack(">hh", data[4:8]) == (1, 1)
-    name = data[40:104].rstrip(b"\0").decode()
-    assert (folder / name).is_file()
-    (channels,) = struct.unpack(">h", data[136:138])
-    assert channels == len(masks) and len(data) == 138 + 40 * channels
-    for number, mask in enumerate(masks):
-        place = 138 + 40 * number + 32
-        assert struct.unpack("<f", data[place : place + 4]) == (1.0,) and struct.unpack(
-            ">I", data[place + 4 : place + 8]
-        ) == (mask,)
-
-
 def check_file(path, tracks):
     """Schema and rules of a written file."""
     suffix = path.suffix
@@ -235,7 +216,5 @@ def check_file(path, tracks):
                 check_ahap(document, duration)
             case ".tact":
                 check_tact(document, duration)
-            case ".hla":
-                check_hla(document, duration)
     elif suffix == ".wav":
         check_wav(path.read_bytes(), len(tracks.listeners), tracks.count, tracks.sample_rate)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.io import atomic
+from haptic_tracing.core.formats.io import atomic, catalogue
 from haptic_tracing.core.formats.io.file_names import file_stem, file_stems
 from haptic_tracing.core.formats.scene.scene_json import read_scene, write_scene
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
@@ -86,7 +86,7 @@ def test_file_stems_are_unique_for_every_file_system(names):
     assert len(set(stems)) == len(stems) == len(names)
 
 
-@pytest.mark.parametrize("name", [form for form in registry.FORMATS if form != "scene"])
+@pytest.mark.parametrize("name", [form for form in catalogue.formats() if form != "scene"])
 def test_hostile_names_stay_in_the_folder(tmp_path, name):
     listeners = (
         ListenerTrack("../../up", "hand.L"),
@@ -148,7 +148,7 @@ def full_disks(tmp_path_factory):
     system allows it."""
     cases = {
         (name, most): tmp_path_factory.mktemp("full")
-        for name in registry.FORMATS
+        for name in catalogue.formats()
         for most in (1, 1000)
     }
     command = [
@@ -165,7 +165,7 @@ def full_disks(tmp_path_factory):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="only Unix can refuse to let a file grow")
-@pytest.mark.parametrize("name", list(registry.FORMATS))
+@pytest.mark.parametrize("name", list(catalogue.formats()))
 @pytest.mark.parametrize("most", [1, 1000])
 def test_a_disk_that_takes_no_more_gets_no_half_file(full_disks, name, most):
     """The system itself refuses to let any file grow beyond ``most`` bytes, in the midst of
@@ -176,11 +176,7 @@ def test_a_disk_that_takes_no_more_gets_no_half_file(full_disks, name, most):
     # take.
     assert code == REFUSED and all(path.suffix != ".part" for path in left), (left, code)
     for path in left:
-        assert (
-            json.loads(path.read_bytes())
-            if path.suffix != ".ohm"
-            else path.read_bytes().startswith(b"OHM ")
-        )
+        assert json.loads(path.read_bytes())
 
 
 KILLED = """

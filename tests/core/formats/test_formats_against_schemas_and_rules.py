@@ -1,6 +1,5 @@
 """Every written file against its schema, by `jsonschema`, and the rules that schemas can't say."""
 
-import csv
 import importlib.util
 import json
 import re
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.tracks import ohm
+from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.bhaptics import DEVICES
 from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS
@@ -26,7 +25,7 @@ rules = importlib.util.module_from_spec(spec)
 sys.modules["format_rules"] = rules
 spec.loader.exec_module(rules)
 
-FORMATS = [name for name in registry.FORMATS if name != "scene"]
+FORMATS = [name for name in catalogue.formats() if name != "scene"]
 POSITIONS = {position for layout in DEVICES.values() for position in layout}
 SCENE = HapticScene(objects=(HapticObject("ground", 0.2, 0.9),))
 
@@ -50,8 +49,6 @@ def test_the_study_in_every_format(study, written_study):
         for path in result.files:
             rules.check_file(path, study)
         assert result.losses and all(loss.isprintable() for loss in result.losses)
-    masks = [BODY_PART[listener.body_part].mpeg_mask for listener in study.listeners]
-    rules.check_ohm((folder / "scene.ohm").read_bytes(), folder, masks)
     files = {path for result in written.values() for path in result.files}
     assert {path for path in folder.rglob("*") if path.is_file()} == files
 
@@ -127,7 +124,7 @@ def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
     ).values():
         for path in result.files:
             rules.check_file(path, tracks)
-            if path.suffix in registry.READERS and ".transients" not in path.name:
+            if path.suffix in catalogue.readers() and ".transients" not in path.name:
                 for channel in registry.read(path).channels:
                     assert np.isfinite(channel.at_rate(tracks.sample_rate)).all()
 
@@ -234,24 +231,6 @@ def test_losses_say_what_is_cut_and_who_is_nowhere():
         registry.losses("midi", export)
 
 
-@pytest.mark.slow
-def test_csv_and_npz_hold_the_samples(study, written_study):
-    folder, _ = written_study
-    with (folder / "scene.csv").open(newline="") as file:
-        rows = list(csv.reader(file))
-    assert rows[0] == ["time", *[listener.name for listener in study.listeners]]
-    table = np.array(rows[1:], dtype=np.float64)
-    np.testing.assert_allclose(table[:, 0], np.arange(study.count) / study.sample_rate, atol=5e-7)
-    np.testing.assert_allclose(table[:, 1:].T, study.samples, atol=2.1e-5)
-    arrays = np.load(folder / "scene.npz")
-    np.testing.assert_array_equal(arrays["samples"], study.samples.astype(np.float32))
-    assert (
-        arrays["names"].tolist() == [listener.name for listener in study.listeners]
-        and arrays["sample_rate"] == 8000
-    )
-    assert len(arrays["impacts"]) == 5 * len(study.listeners)
-
-
 def test_wav_reads_back_exactly_with_names_and_body_parts(study, tmp_path):
     registry.write("wav", Export("scene", SCENE, study), tmp_path, {"encoding": "float32"})
     channels = registry.read(tmp_path / "scene.wav").channels
@@ -259,13 +238,3 @@ def test_wav_reads_back_exactly_with_names_and_body_parts(study, tmp_path):
         (track.name, track.body_part) for track in study.listeners
     ]
     np.testing.assert_array_equal([c.samples for c in channels], study.samples.astype(np.float32))
-
-
-def test_names_too_long_for_ohm_are_cut_between_characters(tmp_path):
-    name = "Jäckhämmer öf the wörld, the löudest öf all"
-    tracks = Tracks((ListenerTrack(name, "hand.L"),), 8000, np.zeros((1, 80)))
-    export = Export(name, SCENE, tracks)
-    registry.write("ohm", export, tmp_path)
-    data = next(tmp_path.glob("*.ohm")).read_bytes()
-    assert data[138:170].rstrip(b"\0").decode() == "Jäckhämmer öf the wörld, the"[:28]
-    assert any("names beyond 32 bytes" in loss for loss in ohm.loss(export, {}))

@@ -14,7 +14,7 @@ import pytest
 from carriers import values_at
 from haptic_tracing.core.formats import haptic_scene, registry
 from haptic_tracing.core.formats.export import Export
-from haptic_tracing.core.formats.io import strict_json
+from haptic_tracing.core.formats.io import catalogue, strict_json
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.scene.scene_json import read_scene
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
@@ -50,7 +50,7 @@ def corpus(tmp_path_factory):
     good = {
         path.suffix: path
         for path in files
-        if path.suffix in registry.READERS and ".transients" not in path.name
+        if path.suffix in catalogue.readers() and ".transients" not in path.name
     }
     everything = haptic_scene.read_export(
         Path(__file__).parent / "corpus" / "good-devices-and-warmth.json"
@@ -100,13 +100,13 @@ def one_clear_error(path):
 
 
 def test_the_corpus_itself_reads(corpus):
-    assert set(corpus) == {*registry.READERS, ".json"}
+    assert set(corpus) == {*catalogue.readers(), ".json"}
     for path in corpus.values():
         assert one_clear_error(path) is None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suffix", [*registry.READERS, ".json"])
+@pytest.mark.parametrize("suffix", [*catalogue.readers(), ".json"])
 @LOOSE
 @given(data=st.data())
 def test_damaged_bytes(corpus, tmp_path, suffix, data):

@@ -14,6 +14,7 @@ import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export
+from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.io.catalogue import named
 from haptic_tracing.core.formats.tracks.carrier import rendered
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
@@ -59,7 +60,7 @@ def read_back(files, suffix):
 @pytest.mark.slow
 def test_the_study_scene_comes_back_as_it_was(study, tmp_path):
     rows = []
-    for name in registry.FORMATS:
+    for name in catalogue.formats():
         written = registry.write(
             name, Export("study", SCENE, study), tmp_path, OPTIONS.get(name, {})
         )

@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from haptic_tracing.core.formats.tracks import tact
+from haptic_tracing.plugins.bhaptics import tact
 
 LAYOUT = {"name": "Tactosy2", "type": "Tactosy2", "layouts": {"ForearmL": []}}
 

@@ -43,11 +43,11 @@ def steps(window):
     )
 
     for _ in range(2):
-        yield from browse(window, "haptic_tracks", folder / "poor.hla", format="hla")
+        yield from browse(window, "haptic_tracks", folder / "poor.tact", format="tact")
         yield from press_in_browser("RET")
         yield from until(lambda: job.Job.in_window is not None)
         yield from until(lambda: job.Job.in_window is None or job.Job.in_window.question)
-    before = {path: path.stat().st_mtime_ns for path in folder.glob("*.hla")}
+    before = {path: path.stat().st_mtime_ns for path in folder.glob("*.tact")}
     asked = job.Job.in_window is not None
     yield 1.0
     window.save_picture("formats-replace")

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
-from .carrier import Carrier
-from .listener_tracks import Row
+from ...core.arrays import FloatArray, IntArray
+from ...core.formats.tracks.carrier import Carrier
+from ...core.formats.tracks.listener_tracks import Row
 
 TRANSIENT_SECONDS = 0.022
 TRANSIENT_CYCLES = 2

@@ -22,22 +22,22 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import FloatArray
-from ...forms import Form, JsonObject
-from ...scene.references import Place, PlacedError
-from ...signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
-from ...signals.keys import needed_keys
-from ..io.budget import Budget
-from ..io.error import FormatError, errors_in
-from ..io.json_text import json_points, write_compact
-from ..io.left_out import without_damaged
-from ..io.strict_json import parse_json, read_bytes, without_trailing_commas
-from .carrier import Carrier, compare_carriers
-from .comparison import Comparison, Kind, Measures
-from .envelopes import WithoutBursts, bursts_of, vibration_envelope
-from .listener_tracks import ListenerTrack
-from .track_export import TrackExport, common_losses, credit, listener_files
-from .vibration_file import Channel, VibrationFile
+from ...core.arrays import FloatArray
+from ...core.formats.io.budget import Budget
+from ...core.formats.io.error import FormatError, errors_in
+from ...core.formats.io.json_text import json_points, write_compact
+from ...core.formats.io.left_out import without_damaged
+from ...core.formats.io.strict_json import parse_json, read_bytes, without_trailing_commas
+from ...core.formats.tracks.carrier import Carrier, compare_carriers
+from ...core.formats.tracks.comparison import Comparison, Kind, Measures
+from ...core.formats.tracks.envelopes import WithoutBursts, bursts_of, vibration_envelope
+from ...core.formats.tracks.listener_tracks import ListenerTrack
+from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
+from ...core.formats.tracks.vibration_file import Channel, VibrationFile
+from ...core.forms import Form, JsonObject
+from ...core.scene.references import Place, PlacedError
+from ...core.signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
+from ...core.signals.keys import needed_keys
 
 TRANSIENTS_SUFFIX = ".transients.ahap"
 
@@ -79,7 +79,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     """Write ``<scene>.<listener>.ahap`` and, for impacts beside continuous vibration,
     ``.transients.ahap``."""
     files = []
-    for number, listener, row, path in listener_files(export, folder, "ahap"):
+    for number, listener, row, path in listener_files(export, folder, ".ahap"):
         bursts = bursts_of(row, listener.impacts, lambda frequency: (EMPHASIS_SECONDS, 0.5))
         clicks = [
             _event("HapticTransient", burst.time, burst.amplitude, burst.frequency)

@@ -13,19 +13,30 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import FloatArray
-from ...forms import Form, JsonObject
-from ..io.atomic import write_text
-from ..io.json_text import compact
-from .bands import bands_for
-from .carrier import Carrier, CarrierPlayer
-from .comparison import Comparison, Kind, Measures
-from .fitting import Fit, fit_bands
+from ...core.arrays import FloatArray
+from ...core.formats.io.atomic import write_text
+from ...core.formats.io.json_text import compact
+from ...core.formats.tracks.carrier import Carrier, CarrierPlayer
+from ...core.formats.tracks.comparison import Comparison, Kind, Measures
+from ...core.formats.tracks.fitting import Fit, fit_bands
+from ...core.formats.tracks.listener_tracks import ListenerTrack, Row, Tracks
+from ...core.formats.tracks.track_export import (
+    TrackExport,
+    body_part_of,
+    common_losses,
+    credit,
+    scene_file,
+)
+from ...core.forms import Form, JsonObject
+from ..keyframes.bands import bands_for
+from ..keyframes.transients import (
+    TRANSIENT_CYCLES,
+    TRANSIENT_SECONDS,
+    transient_carrier,
+    without_transients,
+)
 from .hjif_reading import carriers_of
 from .hjif_reading import read as read
-from .listener_tracks import ListenerTrack, Row, Tracks
-from .track_export import TrackExport, body_part_of, common_losses, credit, scene_file
-from .transients import TRANSIENT_CYCLES, TRANSIENT_SECONDS, transient_carrier, without_transients
 
 TIMESCALE = 1000
 CHANNELS_OF_LEVEL_1 = 127
@@ -61,7 +72,7 @@ def measures(options: Form) -> Measures:
 def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.hjif``."""
     tracks = export.need_tracks()
-    path = scene_file(export.name, folder, "hjif")
+    path = scene_file(export.name, folder, ".hjif")
     return [write_text(path, _document(export, tracks, options, measured))]
 
 

@@ -15,9 +15,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
-from ...frozen import frozen
-from ...signals.interpolation import resample
+from ...core.arrays import FloatArray, IntArray
+from ...core.frozen import frozen
+from ...core.signals.interpolation import resample
 
 SMALLEST = 8
 LARGEST = 2**14

@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import FloatArray
-from ...forms import Form
-from ...render import lane
-from ...scene.body_map import figure
-from ...signals.interpolation import resample
-from ..io.atomic import write_text
-from .comparison import Comparison, Kind, Measures
-from .listener_tracks import Tracks
-from .track_export import TrackExport, common_losses, credit, scene_file
+from ...core.arrays import FloatArray
+from ...core.formats.io.atomic import write_text
+from ...core.formats.tracks.comparison import Comparison, Kind, Measures
+from ...core.formats.tracks.listener_tracks import Tracks
+from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, scene_file
+from ...core.forms import Form
+from ...core.render import lane
+from ...core.scene.body_map import figure
+from ...core.signals.interpolation import resample
 
 RATE = 2000
 """Largest sample rate [Hz], with which 150 s of ten listeners take less than 5 MB."""
@@ -78,7 +78,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
         "@DATA@": text,
     }
     page = Path(__file__).with_name("player.html").read_text("utf-8")
-    path = scene_file(export.name, folder, "web")
+    path = scene_file(export.name, folder, ".html")
     return [write_text(path, (parts.get(piece, piece) for piece in re.split(r"(@[A-Z]+@)", page)))]
 
 

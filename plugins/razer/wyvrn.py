@@ -9,23 +9,22 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import FloatArray
-from ...forms import Form, JsonObject
-from ..io.catalogue import FORMATS
-from ..io.error import FormatError
-from ..io.file_names import file_stem, file_stems
-from ..io.json_text import json_points, write_compact, write_json
-from ..io.left_out import without_damaged
-from ..io.schema import validate
-from ..io.strict_json import read_json
-from .bands import wide_bands
-from .carrier import Carrier, compare_carriers
-from .comparison import Comparison, Kind, Measures
-from .fitting import Fit, fit_bands
-from .listener_tracks import ListenerTrack, Row
-from .track_export import TrackExport, body_part_of, common_losses
-from .transients import TRANSIENT_SECONDS, transient_carrier, without_transients
-from .vibration_file import Channel, VibrationFile
+from ...core.arrays import FloatArray
+from ...core.formats.io.error import FormatError
+from ...core.formats.io.file_names import file_stem, file_stems
+from ...core.formats.io.json_text import json_points, write_compact, write_json
+from ...core.formats.io.left_out import without_damaged
+from ...core.formats.io.schema import validate
+from ...core.formats.io.strict_json import read_json
+from ...core.formats.tracks.carrier import Carrier, compare_carriers
+from ...core.formats.tracks.comparison import Comparison, Kind, Measures
+from ...core.formats.tracks.fitting import Fit, fit_bands
+from ...core.formats.tracks.listener_tracks import ListenerTrack, Row
+from ...core.formats.tracks.track_export import TrackExport, body_part_of, common_losses
+from ...core.formats.tracks.vibration_file import Channel, VibrationFile
+from ...core.forms import Form, JsonObject
+from ..keyframes.bands import wide_bands
+from ..keyframes.transients import TRANSIENT_SECONDS, transient_carrier, without_transients
 
 BANDS = wide_bands((5, 90, 430))
 """The bands of the melodies: published clips have at most three, and frequencies up to 366 Hz."""
@@ -36,6 +35,8 @@ CONFIGURATIONS = ("haptic.config", "Wyvrn.config")
 kits. Both have the same content."""
 
 
+_VERSION_5 = Path(__file__).with_name("haps_v5.schema.json")
+_VERSION_6 = Path(__file__).with_name("haps_v6.schema.json")
 _PARTS = (
     ("m_vibration", "m_melodies", "*"),
     ("m_vibration", "m_melodies", "*", "m_notes", "*"),
@@ -77,7 +78,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     for number, (listener, stem) in enumerate(zip(tracks.listeners, stems, strict=True)):
         clip = _clip(tracks.row(number), listener, options)
         compare_carriers(number, _carriers_of(clip, {}), measured)
-        files.append(write_compact(inside / f"{stem}{FORMATS['wyvrn'].suffix}", clip))
+        files.append(write_compact(inside / f"{stem}.haps", clip))
     events = [
         {
             "Haptic_Effect": stem,
@@ -196,7 +197,7 @@ def read(path: Path) -> VibrationFile:
     losses: dict[str, None] = {}
     version = str(document.get("version", "5")) if isinstance(document, dict) else "5"
     if version == "6":
-        without_damaged(document, _PARTS, losses, lambda: validate(document, "haps_v6", path))
+        without_damaged(document, _PARTS, losses, lambda: validate(document, _VERSION_6, path))
         document = _as_version_5(document, losses)
     elif version != "5":
         raise FormatError(path, "/version", f"this reads versions 5 and 6, not {version[:20]}")
@@ -206,7 +207,7 @@ def read(path: Path) -> VibrationFile:
                 ignored = document.pop(f"m_{part}", None)
                 if isinstance(ignored, dict) and ignored.get("m_melodies"):
                     losses[f"{part} is not read"] = None
-        without_damaged(document, _PARTS, losses, lambda: validate(document, "haps_v5", path))
+        without_damaged(document, _PARTS, losses, lambda: validate(document, _VERSION_5, path))
     carriers = tuple(_carriers_of(document, losses))
     end = max((carrier.end for carrier in carriers), default=0.0)
     return VibrationFile(

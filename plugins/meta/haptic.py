@@ -17,20 +17,26 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import FloatArray
-from ...forms import Form, JsonObject
-from ..io.error import FormatError
-from ..io.json_text import json_points, write_compact, write_json
-from ..io.left_out import without_damaged
-from ..io.schema import validate
-from ..io.strict_json import read_json
-from .carrier import Carrier, compare_carriers
-from .comparison import Comparison, Kind, Measures
-from .envelopes import Burst, WithoutBursts, bursts_of, single_carrier, thinned_carrier
-from .fitting import Fit
-from .listener_tracks import ListenerTrack
-from .track_export import TrackExport, common_losses, credit, listener_files
-from .vibration_file import Channel, VibrationFile
+from ...core.arrays import FloatArray
+from ...core.formats.io.error import FormatError
+from ...core.formats.io.json_text import json_points, write_compact, write_json
+from ...core.formats.io.left_out import without_damaged
+from ...core.formats.io.schema import validate
+from ...core.formats.io.strict_json import read_json
+from ...core.formats.tracks.carrier import Carrier, compare_carriers
+from ...core.formats.tracks.comparison import Comparison, Kind, Measures
+from ...core.formats.tracks.envelopes import (
+    Burst,
+    WithoutBursts,
+    bursts_of,
+    single_carrier,
+    thinned_carrier,
+)
+from ...core.formats.tracks.fitting import Fit
+from ...core.formats.tracks.listener_tracks import ListenerTrack
+from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
+from ...core.formats.tracks.vibration_file import Channel, VibrationFile
+from ...core.forms import Form, JsonObject
 
 SLIGHT = 0.05
 """Amount by which amplitudes may exceed their range to be clipped instead of refused."""
@@ -40,6 +46,7 @@ configuration of Quest's actuator; between them all three are mixed linearly."""
 _DUCKING = 0.5
 """Factor of the continuous signal while an emphasis sounds."""
 _ENVELOPES = ("signals", "continuous", "envelopes")
+_SCHEMA = Path(__file__).with_name("haptic_v1.schema.json")
 _PARTS = ((*_ENVELOPES, "frequency"), (*_ENVELOPES, "amplitude", "*", "emphasis"))
 _QUEST = (55.0, 200.0)
 
@@ -62,7 +69,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
     """Write ``<scene>.<listener>.haptic`` and ``.acf`` for each listener."""
     low, high = _range(options)
     files = []
-    for number, listener, row, path in listener_files(export, folder, "haptic"):
+    for number, listener, row, path in listener_files(export, folder, ".haptic"):
         bursts: list[Burst] = []
         if options["points"]:
             bursts = bursts_of(row, listener.impacts, _burst_form) if options["emphasis"] else []
@@ -201,7 +208,7 @@ def read(path: Path) -> VibrationFile:
     low, high = _range_beside(path, losses)
 
     def carriers_of() -> tuple[Carrier, ...]:
-        validate(document, "haptic_v1", path)
+        validate(document, _SCHEMA, path)
         return _carriers(document["signals"]["continuous"]["envelopes"], low, high, path)
 
     carriers = without_damaged(document, _PARTS, losses, carriers_of)

@@ -11,24 +11,23 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
-from ...forms import Form, JsonObject
-from ...scene.bhaptics import DEVICES, region
-from ...scene.body import BODY_PARTS
-from ..io.budget import Budget
-from ..io.catalogue import FORMATS
-from ..io.error import FormatError
-from ..io.file_names import file_stems
-from ..io.json_text import write_compact
-from ..io.left_out import without_damaged
-from ..io.schema import validate
-from ..io.strict_json import read_json
-from .carrier import Carrier
-from .comparison import Comparison, Kind, Measures
-from .envelopes import compare_steps, vibration_envelope
-from .listener_tracks import Tracks
-from .track_export import TrackExport, body_part_of, common_losses, credit
-from .vibration_file import Channel, VibrationFile
+from ...core.arrays import FloatArray, IntArray
+from ...core.formats.io.budget import Budget
+from ...core.formats.io.error import FormatError
+from ...core.formats.io.file_names import file_stems
+from ...core.formats.io.json_text import write_compact
+from ...core.formats.io.left_out import without_damaged
+from ...core.formats.io.schema import validate
+from ...core.formats.io.strict_json import read_json
+from ...core.formats.tracks.carrier import Carrier
+from ...core.formats.tracks.comparison import Comparison, Kind, Measures
+from ...core.formats.tracks.envelopes import compare_steps, vibration_envelope
+from ...core.formats.tracks.listener_tracks import Tracks
+from ...core.formats.tracks.track_export import TrackExport, body_part_of, common_losses, credit
+from ...core.formats.tracks.vibration_file import Channel, VibrationFile
+from ...core.forms import Form, JsonObject
+from ...core.scene.bhaptics import DEVICES, region
+from ...core.scene.body import BODY_PARTS
 
 INTERVAL = 20
 """Step of strengths (milliseconds)."""
@@ -57,6 +56,7 @@ _FADES: Mapping[str, Callable[[FloatArray], FloatArray]] = {
 """Amplitude by the part of an interval that has passed, both 0 to 1, for each fade."""
 _LISTS = ("dotMode", "pathMode")
 _TRACK = ("project", "tracks", "*")
+_SCHEMA = Path(__file__).with_name("tact.schema.json")
 _PARTS = (_TRACK, (*_TRACK, "effects", "*"))
 _NUMBERS: Mapping[str, Callable[[str], float]] = {
     "index": int,
@@ -137,7 +137,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
             for position in DEVICES[device]
         }
         document = _document(export, tracks, device, stem, modes)
-        files.append(write_compact(folder / f"{stem}{FORMATS['tact'].suffix}", document))
+        files.append(write_compact(folder / f"{stem}.tact", document))
     return files
 
 
@@ -231,7 +231,7 @@ def read(path: Path) -> VibrationFile:
     document = read_json(path)
     _convert_numbers(document)
     losses = {f"the format has no frequencies: motors are played at {FREQUENCY:g} Hz": None}
-    without_damaged(document, _PARTS, losses, lambda: validate(document, "tact", path))
+    without_damaged(document, _PARTS, losses, lambda: validate(document, _SCHEMA, path))
     project = document["project"]
     effects = [
         effect

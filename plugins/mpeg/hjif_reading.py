@@ -11,20 +11,21 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import FloatArray
-from ...forms import Form
-from ...scene.body import BODY_PARTS
-from ..io.budget import Budget
-from ..io.error import FormatError
-from ..io.left_out import without_damaged
-from ..io.schema import validate
-from ..io.strict_json import read_json
-from .carrier import Carrier
-from .transients import transient_carrier
-from .vibration_file import Channel, VibrationFile
+from ...core.arrays import FloatArray
+from ...core.formats.io.budget import Budget
+from ...core.formats.io.error import FormatError
+from ...core.formats.io.left_out import without_damaged
+from ...core.formats.io.schema import validate
+from ...core.formats.io.strict_json import read_json
+from ...core.formats.tracks.carrier import Carrier
+from ...core.formats.tracks.vibration_file import Channel, VibrationFile
+from ...core.forms import Form
+from ...core.scene.body import BODY_PARTS
+from ..keyframes.transients import transient_carrier
 from .wavelet import WaveletBand
 
 _CHANNEL = ("perceptions", "*", "channels", "*")
+_SCHEMA = Path(__file__).with_name("hjif.schema.json")
 _PARTS = (_CHANNEL, (*_CHANNEL, "bands", "*"), (*_CHANNEL, "bands", "*", "effects", "*"))
 _KEY_BYTES = 32
 _PIECES = 16
@@ -48,7 +49,7 @@ def read(path: Path) -> VibrationFile:
     """The channels of all perceptions. Raises FormatError or OSError."""
     document = read_json(path)
     losses: dict[str, None] = {}
-    without_damaged(document, _PARTS, losses, lambda: validate(document, "hjif", path))
+    without_damaged(document, _PARTS, losses, lambda: validate(document, _SCHEMA, path))
     budget = Budget(path, is_json=True)
     channels = []
     for p, perception in enumerate(document["perceptions"]):

@@ -1,0 +1,1 @@
+"""Plug-ins, one folder each, as `docs/plugins.md` describes."""

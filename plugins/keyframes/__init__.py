@@ -1,0 +1,1 @@
+"""What formats of keyframes share: bands, and impacts as transients."""
