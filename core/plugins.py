@@ -10,7 +10,7 @@ and ``MODALITIES``. One that fails is left out, and the reason kept.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -60,7 +60,7 @@ def note_failure(name: str, error: Exception) -> None:
 def _find() -> None:
     for path in sorted(_FOLDER.glob("*/__init__.py")):
         name = path.parent.name
-        add(name, lambda name=name: import_module(f"{_ROOT}.plugins.{name}"))
+        add(name, partial(import_module, f"{_ROOT}.plugins.{name}"))
     known = entry_points()
     for kind in _KINDS:
         for point in known.select(group=f"haptic_tracing.{kind}"):

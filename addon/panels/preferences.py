@@ -7,6 +7,7 @@ from bpy.types import AddonPreferences, Context, KeyMapItem, UILayout
 
 from ...core import plugins
 from ..blender.extension import ROOT
+from ..blender.words import ui_text
 from ..properties.preferences import PreferenceProperties
 from .drawing import draw_each, settings_layout, warn
 
@@ -36,7 +37,7 @@ class HapticTracingPreferences(PreferenceProperties, AddonPreferences):
 def draw_failures(layout: UILayout) -> None:
     """Draw the plug-ins that are left out, and why."""
     for name, reason in plugins.failures.items():
-        warn(layout.column(heading="Plug-ins"), f"{name}: {reason}")
+        warn(layout, ui_text("The plug-in {} is left out:", name), reason)
 
 
 def draw_shortcuts(layout: UILayout, context: Context) -> None:

@@ -91,8 +91,7 @@ def test_plug_ins_import_public_modules_alone(found, root):
     assert [
         str(one)
         for one in imported
-        if one.imported not in public
-        and one.imported.split(".")[:2] != one.importer.split(".")[:2]
+        if one.imported not in public and one.imported.split(".")[:2] != one.importer.split(".")[:2]
     ] == []
 
 

@@ -11,6 +11,7 @@ TOP_LEVEL = {
     "addon",
     "core",
     "manual",
+    "plugins",
     "sample_scenes",
     "wheels",
 }
@@ -36,7 +37,7 @@ def test_holds_only_what_runs_in_blender(zips, root, platform):
     assert [name for name in names if "__pycache__" in name or "/." in name] == []
     source = {
         str(path.relative_to(root).as_posix())
-        for part in ("addon", "core")
+        for part in ("addon", "core", "plugins")
         for path in (root / part).rglob("*.py")
     }
     assert source <= set(names)

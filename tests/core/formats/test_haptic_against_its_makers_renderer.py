@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.formats.tracks import haptic
 from haptic_tracing.core.formats.tracks.carrier import rendered
+from haptic_tracing.plugins.meta import haptic
 
 RATE = 8000
 CLIPS = json.loads(Path(__file__).with_name("haptic_renderer.json").read_text())["clips"]

@@ -11,8 +11,8 @@ import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from haptic_tracing.plugins.web.web import decoded, encoded
 from haptic_tracing.core.scene.values import HapticScene
+from haptic_tracing.plugins.web.web import decoded, encoded
 
 spec = importlib.util.spec_from_file_location(
     "headless_chromium", Path(__file__).with_name("headless_chromium.py")
