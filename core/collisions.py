@@ -93,6 +93,9 @@ class CollisionDetector:
         self._tracked = Unchanged(_tracked)
         self._without_materials = Unchanged(_without_materials)
         self._last: Frame | None = None
+        # Impacts, and bodies that came, in frames that were passed by:
+        self._passed: tuple[Impact, ...] = ()
+        self._came: frozenset[str] = frozenset()
 
     def restore_events(self, number: int, bodies: tuple[Body, ...], kept: FrameEvents) -> None:
         """Replace all stored events by those of one frame of ``bodies``."""
@@ -144,6 +147,7 @@ class CollisionDetector:
     def reset(self) -> None:
         """Drop contact history, velocities and active events."""
         self._events.clear()
+        self._passed, self._came = (), frozenset()
         if self._tracker is not None:
             self._tracker.reset()
 
@@ -155,6 +159,18 @@ class CollisionDetector:
     def set_delays(self, delays: Mapping[str, float]) -> None:
         """Extend temporary sources by their largest delays at the listeners [s], given by name."""
         self._events.set_delays(delays)
+
+    def pass_by(self, frame: Frame, table: ObjectTable) -> None:
+        """Follow the bodies to a frame that is not told: what strikes on the way there is told in
+        the next frame."""
+        impacts = frame.struck or ()
+        if frame.contacts is None and frame.bodies:
+            tracker = self._follow(frame.bodies, frame.anew)
+            numbering = self._numbering(frame.bodies, table)
+            rules = self._transmissions(self.settings.transmission_table, table)
+            impacts = self._found(frame, tracker, numbering, rules, self._events).impacts
+        self._passed += impacts
+        self._came |= frame.anew
 
     def detect(
         self, frame: Frame, table: ObjectTable, previous: float | None, retrace: bool = False
@@ -189,7 +205,10 @@ class CollisionDetector:
             found = self._found(frame, tracker, numbering, rules, events)
             contacts = self._numbered(found.contacts, numbering, rules, frame.authored)
             frames = numbering.frames(frame, table, contacts)
-        sources = events.follow(frame, since, found, self.settings)
+        found = replace(found, impacts=self._passed + found.impacts)
+        came = replace(frame, anew=frame.anew | self._came) if self._came else frame
+        self._passed, self._came = (), frozenset()
+        sources = events.follow(came, since, found, self.settings)
         if tracker is not None:
             self._last = frame
             if since is not None:
@@ -243,10 +262,9 @@ class CollisionDetector:
     ) -> FrameContacts:
         """The contacts between bodies, and the impacts since the frame before."""
         hits = _has_hit_triggers(frame.sources)
-        assert frame.transforms is not None
         found = tracker.update(
             frame.time,
-            frame.transforms,
+            frame.placed,
             self._endpoints(frame, numbering.row, rules.uses_force or hits, events),
             frame.continuous,
             frame.struck is None and (self.settings.impacts or hits),
@@ -282,8 +300,8 @@ class CollisionDetector:
                 [row[listener.object] for listener in frame.listeners if listener.object in row]
             ] = True
             sounding[[row[name] for name in names if name in row]] = True
-            for impact in frame.struck or ():
-                sounding[list(impact.objects)] = True
+            struck = [k for one in (*self._passed, *(frame.struck or ())) for k in one.objects]
+            sounding[[number for number in struck if number < len(sounding)]] = True
         return Endpoints(heard, sounding, self.paths and frame.settings.strategy in _ON_PATHS)
 
 
@@ -351,9 +369,11 @@ class _Numbering:
         transforms = frame.transforms
         assert transforms is not None
         frames = ObjectFrames.unknown(self._count)
-        turned = [self.row[item.object] for item in frame.listeners if item.radius > 0]
+        turned = [item.object for item in frame.listeners if item.radius > 0]
         if turned:
-            frames = frames.turned(self.objects[turned], transforms[turned])
+            index, row = table.index(), {name: row for row, name in enumerate(frame.names)}
+            poses = transforms[[row[name] for name in turned]]
+            frames = frames.turned(np.array([index[name] for name in turned]), poses)
         if not _asks_for_frames(frame.settings, contacts, table, self.sizes):
             return frames if turned else None
         touching = np.zeros(self._count, dtype=np.bool_)

@@ -57,6 +57,11 @@ class Tracer:
         gains = b"" if self._propagated is None else self._propagated.propagation.gain.tobytes()
         return sha256(repr(self._time).encode() + gains + self.collisions.history()).hexdigest()
 
+    def pass_by(self, frame: Frame) -> None:
+        """Follow the bodies to a frame that continues the last one and is not traced: what strikes
+        on the way there belongs to the next frame."""
+        self.collisions.pass_by(frame, self._table(frame.objects, frame.settings.epsilon))
+
     def step(self, frame: Frame) -> FrameResult:
         """Trace one frame. Raises ValueError, which names the object, if a designer's expression
         gives no valid gain.

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import field
 
+import numpy as np
+
 from ..arrays import FloatArray
 from ..contacts.authored import AuthoredContacts
 from ..contacts.contact_set import ContactSet
@@ -23,15 +25,16 @@ class Frame:
 
     ``time`` [s]; the tracer renders the samples from the previous frame's time to this one's, so
     that an impact between the two is placed at its time. ``continuous``: this frame follows the one
-    traced last; otherwise contact history, velocities and active signals are dropped. Either bodies
-    are given, with rigid world ``transforms`` (n, 4, 4) of ``bodies``, which are ``objects`` in the
-    same order; or ``contacts``, which number the objects by their sorted names. ``authored``
-    contacts replace detected ones. ``restore``: where this frame is not continuous, it has the
+    traced last; otherwise contact history, velocities and active signals are dropped.
+    ``transforms`` (n, 4, 4): rigid, of the ``objects`` in the world; None where they are unknown.
+    Contacts are found between ``bodies``, which are the first of the objects in the same order; or
+    ``contacts`` are given, which number the objects by their sorted names. ``authored`` contacts
+    replace detected ones. ``restore``: where this frame is not continuous, it has the
     impacts stored when it was last traced as a continuous one, see `core.collisions`. ``exact``:
     contacts and gains are recomputed also after motions below the tolerance of rest. ``duration``
     [s]: of a frame that is not continuous, for triggers at given times. ``heard``: its samples are
-    rendered. ``struck``: the impacts since the previous frame, which number the bodies (or the
-    ``objects`` where ``contacts`` are given, ``transforms`` being theirs); None: they are found.
+    rendered. ``struck``: the impacts since the previous frame, which number the objects; None: they
+    are found.
     ``anew``: names of bodies that appeared or were set elsewhere since the previous frame, without
     a motion in between: they make no impact in this frame.
     """
@@ -55,6 +58,13 @@ class Frame:
     anew: frozenset[str] = frozenset()
 
     @property
-    def moving(self) -> tuple[str, ...]:
-        """The names of what has ``transforms``."""
-        return tuple(item.name for item in (self.bodies if self.contacts is None else self.objects))
+    def names(self) -> tuple[str, ...]:
+        """The names of the objects."""
+        return tuple(item.name for item in self.objects)
+
+    @property
+    def placed(self) -> FloatArray:
+        """The transforms of the bodies."""
+        return (
+            np.zeros((0, 4, 4)) if self.transforms is None else self.transforms[: len(self.bodies)]
+        )

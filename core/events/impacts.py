@@ -117,7 +117,7 @@ class Impacts:
             self.clear()
             self.began = found.impacts
             return ()
-        number = {name: row for row, name in enumerate(frame.moving)} if self.active else {}
+        number = {name: row for row, name in enumerate(frame.names)} if self.active else {}
         self.active = tuple(
             replace(item, impact=replace(item.impact, objects=(number[first], number[second])))
             for item in self.active
@@ -128,7 +128,7 @@ class Impacts:
         if new or since is not None:
             self.began = new
         if new:
-            names = frame.moving
+            names = frame.names
             objects = {item.name: item for item in frame.objects}
             self.active += tuple(
                 ActiveImpact.of(

@@ -116,7 +116,7 @@ class OneShots:
         ):
             shot = Shot(source.name, frame.time, on=trigger.on, object=trigger.object)
             if trigger.on is TriggerKind.HIT:
-                self._found += _struck(shot, source.object, frame.moving, found)
+                self._found += _struck(shot, source.object, frame.names, found)
             elif trigger.on is TriggerKind.LEVEL:
                 self._levels[source.name] = trigger.value
                 if since is not None and before.get(source.name, 1.0) <= 0 < trigger.value:
@@ -193,7 +193,7 @@ class OneShots:
 def _places(frame: Frame) -> dict[str, FloatArray]:
     """The positions (3,) of the objects' origins, by name."""
     if frame.transforms is not None:
-        return dict(zip(frame.moving, frame.transforms[:, :3, 3], strict=True))
+        return dict(zip(frame.names, frame.transforms[:, :3, 3], strict=True))
     return {
         item.name: np.array(item.pose.position) for item in frame.objects if item.pose is not None
     }

@@ -155,8 +155,7 @@ class Rubbing:
         settings: ContactSettings,
     ) -> None:
         """Advance to a ``frame`` from that ``before``, at the time ``since`` [s]."""
-        poses = [frame.transforms, before.transforms]
-        now, then = (np.zeros((0, 4, 4)) if each is None else each for each in poses)
+        now, then = frame.placed, before.placed
         if before.bodies != frame.bodies or frame.anew:
             old = {
                 body.name: pose

@@ -49,25 +49,26 @@ def read_contacts(forms: Sequence[Mapping[str, Any]], objects: Iterable[str]) ->
 
 def read_impacts(
     forms: Sequence[Mapping[str, Any]],
-    moving: Sequence[str],
+    numbers: Mapping[str, int],
     objects: Objects,
     rules: ContactSettings,
     interval: tuple[float, float],
+    origin: float,
 ) -> tuple[Impact, ...]:
-    """Impacts with at least the least energy of their rules, numbered by ``moving``.
+    """Impacts with at least the least energy of their rules.
 
     Args:
         forms: ``objects`` (two names), ``position`` [m, world], ``energy`` [J] or ``normal_speed``
             [m/s], and ``time`` [s], by default the end of the interval.
-        moving: the names that impacts number.
+        numbers: of the objects, by name.
         objects: with the masses and materials.
         rules: the limits of impacts.
         interval: the step's beginning and end [s].
+        origin: from when on times of impacts are counted [s].
 
     Raises:
         PlacedError: names the key where a value is not valid.
     """
-    numbers = {name: number for number, name in enumerate(moving)}
     found = []
     for row, form in enumerate(plain(forms)):
         place: Place = ("impacts", row)
@@ -87,7 +88,8 @@ def read_impacts(
             found.append(
                 Impact(
                     objects=(numbers[first], numbers[second]),
-                    time=min(max(_number(form.get("time", end), (*place, "time")), begun), end),
+                    time=min(max(_number(form.get("time", end), (*place, "time")), begun), end)
+                    - origin,
                     positions=((x, y, z), (x, y, z)),
                     normal=(0.0, 0.0, 1.0),
                     energy=energy,

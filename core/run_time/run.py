@@ -32,8 +32,11 @@ LONGEST_STEP = 0.25
 _FASTEST = 100.0
 """Speed [m/s] above which an object has been set elsewhere, unless it was half as fast before."""
 
+LONGEST_RUN = 1e6
+"""Seconds since its first step from which on a run begins anew: signals go on for so long."""
+
 _SHORTEST, _FARTHEST = 1e-12, 1e9
-"""Length above which a quaternion is a rotation."""
+"""Length above which a quaternion is a rotation, and the largest coordinate [m]."""
 
 Item = TypeVar("Item", Source, Listener)
 
@@ -55,17 +58,13 @@ class Run:
     def __init__(self, scene: HapticScene, sample_rate: float) -> None:
         self.settings, self.rules = scene.settings, scene.rules
         self.sample_rate = checked_rate(sample_rate)
-        self._objects: dict[str, HapticObject] = {}
         self._solids: list[tuple[HapticObject, Body]] = []
         # Of all sources, then of all listeners: the rows of their objects, and their positions in
         # the frames of these (n, 3).
         self._anchors: tuple[IntArray, FloatArray] | None = None
-        self._poses = np.zeros((0, 4, 4))  # of the objects, in their order
+        self._waiting: Frame | None = None  # of the step that was followed last, if not answered
         self._set_objects(
-            scene.objects,
-            np.array([pose_matrix(item.pose or Pose()) for item in scene.objects]).reshape(
-                -1, 4, 4
-            ),
+            scene.objects, [pose_matrix(item.pose or Pose()) for item in scene.objects]
         )
         self._moved: set[str] = set()
         self._anew: set[str] = (
@@ -75,6 +74,8 @@ class Run:
         self._listed = scene.contacts
         self._silent: set[str] = set()  # sources that do not play
         self._amplitudes: dict[str, float] = {}
+        self._asked: list[str] = []  # sources to be played once from the last step on
+        self._played: dict[str, list[float]] = {}  # when they were, since the run began
         # By kind and name, in the frame of the object.
         self._places: dict[tuple[str, str], FloatArray] = {}
         self._sources: dict[str, Source] = {}
@@ -85,7 +86,8 @@ class Run:
             self._place("listener", listener)
         self._tracer = Tracer(self.rules, sample_rate, lazy=True, paths=True)
         self._history = History()
-        self._time: float | None = None
+        self._time: float | None = None  # of the step that was followed last
+        self._first = 0.0  # time of the step in which the run began
         self._step = 0
 
     @property
@@ -145,6 +147,49 @@ class Run:
         >>> raised.levels["hand"].gains, raised.block.shape  # 1/8 s of samples at 8 kHz
         ({'drill': 0.75}, (1, 1000))
         """
+        self.follow(
+            time,
+            poses,
+            sources,
+            contacts=contacts,
+            impacts=impacts,
+            source_positions=source_positions,
+            listener_positions=listener_positions,
+        )
+        return self.answer()
+
+    def continues(self, time: float) -> bool:
+        """Whether a step at ``time`` [s] continues the last one; otherwise the run begins anew.
+
+        >>> run.step(0.0).time, run.continues(0.25), run.continues(0.3)
+        (0.0, True, False)
+        """
+        return (
+            self._time is not None
+            and 0 < time - self._time <= LONGEST_STEP
+            and time - self._first < LONGEST_RUN
+        )
+
+    def follow(
+        self,
+        time: float,
+        poses: Mapping[str, Sequence[float]] | None = None,
+        sources: Mapping[str, Mapping[str, Any]] | None = None,
+        *,
+        contacts: Sequence[Mapping[str, Any]] | None = None,
+        impacts: Sequence[Mapping[str, Any]] | None = None,
+        source_positions: Mapping[str, Position] | None = None,
+        listener_positions: Mapping[str, Position] | None = None,
+    ) -> None:
+        """Go on to ``time`` as `step` does, without an answer: `answer` gives that to the step that
+        was followed last, with the impacts of all since the last one; where the run begins anew,
+        what was not answered is dropped.
+
+        >>> run.follow(0.25)
+        >>> run.follow(0.375)
+        >>> run.answer().time
+        0.375
+        """
         is_number = isinstance(time, int | float | np.floating)
         if not (is_number and math.isfinite(time)) or time == self._time:
             raise PlacedError(
@@ -155,22 +200,51 @@ class Run:
         self._check_sources(sources or {})
         self._check_positions("source", self._sources, source_positions or {})
         self._check_positions("listener", self._listeners, listener_positions or {})
-        given = self._given(contacts)
-        struck = None if impacts is None else self._struck(impacts, given is not None, time)
+        given = None if contacts is None else read_contacts(contacts, self._objects)
+        begun, first = time, time
+        if self._time is not None and self.continues(time):
+            begun, first = self._time, self._first
+        struck = (
+            None
+            if impacts is None
+            else read_impacts(impacts, self._row, self._objects, self.rules, (begun, time), first)
+        )
+        if not self.continues(time):
+            self._first, self._time = time, None
+            self._played.clear()
+        for name in self._asked:
+            earliest = begun - first - self._sources[name].emitted.duration
+            known = [one for one in self._played.get(name, ()) if one > earliest]
+            self._played[name] = [*known, begun - first]
+        self._asked.clear()
         self._move(list(poses or {}), moved, math.inf if self._time is None else time - self._time)
         for name, form in (sources or {}).items():
             self._play(name, form)
-        result = self._tracer.step(
-            self._frame(time, given, struck, source_positions or {}, listener_positions or {})
+        if self._waiting is None:
+            self._step += 1
+        elif self._waiting.continuous:
+            self._tracer.pass_by(self._waiting)
+        else:  # samples begin there
+            self._tracer.step(self._waiting)
+        self._waiting = self._frame(
+            time, given, struck, source_positions or {}, listener_positions or {}
         )
         self._time = time
         self._anew.clear()
+
+    def answer(self) -> Step:
+        """The answer to the step that was followed last. Raises ValueError if it was given already.
+
+        >>> run.follow(0.0)
+        >>> run.answer().levels["hand"].gains
+        {'drill': 0.75}
+        """
+        frame, self._waiting = self._waiting, None
+        if frame is None or self._time is None:
+            raise ValueError("no step was followed since the last answer")
+        result = self._tracer.step(frame)
         self._history.feed(result)
-        return answer(
-            result,
-            self._history,
-            self._solid_names if contacts is None else self.objects,
-        )
+        return answer(result, self._history, frame.names, self._time)
 
     def play(self, source: str) -> None:
         """Play the signal of a source with triggers once, from the last step on. Raises
@@ -181,19 +255,12 @@ class Run:
         >>> run.play("knock")
         """
         require_known(source, self._sources, "source", ("source",))
-        item = self._sources[source]
-        if item.triggers is None:
+        if self._sources[source].triggers is None:
             raise PlacedError(
                 ("source",),
                 f"{source!r} plays all the time; only a source with triggers plays once",
             )
-        now = self._time or 0.0
-        kept = tuple(
-            one
-            for one in item.triggers
-            if one.on is not TriggerKind.TIMES or one.times[-1:] > (now - item.emitted.duration,)
-        )
-        self._sources[source] = replace(item, triggers=(*kept, Trigger(TriggerKind.TIMES, (now,))))
+        self._asked.append(source)
 
     def stop(self) -> None:
         """Fall silent and forget contacts, velocities and impacts; objects keep their poses.
@@ -202,7 +269,7 @@ class Run:
         """
         self._tracer.reset()
         self._history = History()
-        self._time = None
+        self._time = self._waiting = None
 
     def add(
         self,
@@ -221,9 +288,9 @@ class Run:
         if object is not None:
             item = read_object(object, ("object",))
             require_new(item.name, self._objects, "object", ("object", "name"))
-            pose = pose_matrix(item.pose or Pose())[None]
+            pose = pose_matrix(item.pose or Pose())
             self._anew.add(item.name)
-            self._set_objects((*self._objects.values(), item), np.concatenate([self._poses, pose]))
+            self._set_objects((*self._objects.values(), item), [*self._poses_listed(), pose])
         if source is not None:
             self._add("source", read_source(source, ("source",)), self._sources)
         if listener is not None:
@@ -241,7 +308,8 @@ class Run:
         """
         if object is not None:
             require_known(object, self._objects, "object", ("object",))
-            kept = [name != object for name in self._objects]
+            poses = dict(zip(self._objects, self._poses_listed(), strict=True))
+            del poses[object]
             self._listed = tuple(
                 contact for contact in self._listed if object not in contact.objects
             )
@@ -253,10 +321,7 @@ class Run:
             self._listeners = {
                 name: item for name, item in self._listeners.items() if item.object != object
             }
-            self._set_objects(
-                [item for item, stays in zip(self._objects.values(), kept, strict=True) if stays],
-                self._poses[kept],
-            )
+            self._set_objects([self._objects[name] for name in poses], [*poses.values()])
         if source is not None:
             require_known(source, self._sources, "source", ("source",))
             del self._sources[source]
@@ -288,7 +353,7 @@ class Run:
                 self._poses[self._row[item.name]] = pose_matrix(item.pose)
                 self._anew.add(item.name)
             self._moved.add(item.name)
-            self._set_objects((self._objects | {item.name: item}).values(), self._poses)
+            self._set_objects((self._objects | {item.name: item}).values(), self._poses_listed())
         if source is not None:
             require_known(source["name"], self._sources, "source", ("source", "name"))
             self._place("source", read_source(source, ("source",)))
@@ -310,18 +375,27 @@ class Run:
         if isinstance(item, Source):
             self._sources[item.name] = item
             self._amplitudes.pop(item.name, None)  # it brings its own
+            self._played.pop(item.name, None)
         else:
             self._listeners[item.name] = item
 
-    def _set_objects(self, objects: Iterable[HapticObject], poses: FloatArray) -> None:
-        """Take over a changed list of objects with their poses (n, 4, 4)."""
-        self._frame_objects = tuple(objects)
-        self._objects = {item.name: item for item in self._frame_objects}
-        self._row = {name: row for row, name in enumerate(self._objects)}
-        self._poses = poses
-        self._solid = np.array(
-            [item.shape is not None for item in self._frame_objects], dtype=np.bool_
-        )
+    def _poses_listed(self) -> FloatArray:
+        """The poses (n, 4, 4) in the order of `objects`."""
+        return self._poses[[self._row[name] for name in self._objects]]
+
+    def _set_objects(
+        self, objects: Iterable[HapticObject], poses: FloatArray | Sequence[FloatArray]
+    ) -> None:
+        """Take over a changed list of objects with their poses (n, 4, 4). Rows are those of objects
+        with a shape, then those of the others."""
+        if self._waiting is not None:
+            raise ValueError("objects can't change before `answer` is asked for what was followed")
+        self._objects = {item.name: item for item in objects}
+        listed = list(self._objects.values())
+        order = sorted(range(len(listed)), key=lambda k: listed[k].shape is None)
+        self._frame_objects = tuple(listed[k] for k in order)
+        self._row = {item.name: row for row, item in enumerate(self._frame_objects)}
+        self._poses = np.array(poses, dtype=np.float64).reshape(-1, 4, 4)[order]
         known = {id(item): body for item, body in self._solids}
         self._solids = [
             (item, known.get(id(item)) or Body.of(item, item.shape))
@@ -329,7 +403,6 @@ class Run:
             if item.shape is not None
         ]
         self._bodies = tuple(body for _, body in self._solids)
-        self._solid_names = tuple(body.name for body in self._bodies)
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
         self._anchors = None
 
@@ -394,15 +467,6 @@ class Run:
             if not valid:
                 raise PlacedError(where, f"expected x, y, z: up to {_FARTHEST:g}")
 
-    def _struck(
-        self, impacts: Sequence[Mapping[str, Any]], given: bool, time: float
-    ) -> tuple[Impact, ...]:
-        """The caller's impacts since the last step. given: whether contacts are given: all objects
-        may then be hit, otherwise those with a shape."""
-        moving = self.objects if given else self._solid_names
-        begun = time if self._time is None else self._time
-        return read_impacts(impacts, moving, self._objects, self.rules, (begun, time))
-
     def _play(self, name: str, form: Mapping[str, Any]) -> None:
         if "playing" in form:
             (self._silent.discard if form["playing"] else self._silent.add)(name)
@@ -426,8 +490,8 @@ class Run:
             source_positions: world positions by name that replace those on the objects [m].
             listener_positions: new positions of listeners by name [m].
         """
-        self._step += 1
-        transforms = self._poses[self._solid] if given is None else self._poses.copy()
+        if given is None and not self._bodies:
+            given = contact_set(self._listed, self._objects)
         places = self._places_now()
         sources = []
         for source in _moved(self._sources, places, source_positions):
@@ -436,21 +500,25 @@ class Run:
                 if source.name in self._silent
                 else self._amplitudes.get(source.name, source.amplitude)
             )
-            sources.append(
-                source if amplitude == source.amplitude else replace(source, amplitude=amplitude)
-            )
+            played = self._played.get(source.name)
+            if amplitude != source.amplitude:
+                source = replace(source, amplitude=amplitude)
+            if played:
+                once = Trigger(TriggerKind.TIMES, tuple(played))
+                source = replace(source, triggers=(*(source.triggers or ()), once))
+            sources.append(source)
         return Frame(
             number=self._step,
             anew=frozenset(self._anew),
-            time=time,
+            time=time - self._first,
             objects=self._frame_objects,
             sources=tuple(sources),
             listeners=tuple(_moved(self._listeners, places[len(sources) :], listener_positions)),
             settings=self.settings,
             bodies=self._bodies if given is None else (),
-            transforms=transforms,
+            transforms=self._poses.copy(),
             contacts=given,
-            continuous=self._time is not None and 0 < time - self._time <= LONGEST_STEP,
+            continuous=self._time is not None,
             authored=self._contacts_listed() if given is None else None,
             struck=struck,
         )
@@ -470,12 +538,6 @@ class Run:
         now = np.einsum("nij,nj->ni", poses[:, :3, :3], places) + poses[:, :3, 3]
         found: list[list[float]] = now.tolist()
         return found
-
-    def _given(self, contacts: Sequence[Mapping[str, Any]] | None) -> ContactSet | None:
-        """The caller's contacts; without them, those of the scene where no object has a shape."""
-        if contacts is not None:
-            return read_contacts(contacts, self._objects)
-        return None if self._bodies else contact_set(self._listed, self._objects)
 
     def _contacts_listed(self) -> AuthoredContacts | None:
         """The contacts that the scene lists between objects that have not moved, or have no

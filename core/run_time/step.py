@@ -59,9 +59,9 @@ class Step:
     warnings: tuple[str, ...]
 
 
-def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step:
-    """The answer of a traced frame, whose samples are the last of the ``history``; ``moving``: the
-    names that its impacts number.
+def answer(result: FrameResult, history: History, names: Sequence[str], time: float) -> Step:
+    """The answer of a traced frame, whose samples are the last of the ``history``; ``names``: of
+    the objects that its impacts number; ``time``: of its end by the caller's clock [s].
 
     Levels are those of the last quarter second; where there are fewer samples since the beginning,
     those of the frame as if it lasted.
@@ -76,11 +76,10 @@ def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step
     sources, listeners = (
         [item.name for item in items] for items in (result.sources, result.listeners)
     )
-    gains = result.gains
-    by_listener = gains.T.tolist()
+    by_listener = result.gains.T.tolist()
     first = len(result.sources) - len(result.impacts)
     return Step(
-        time=result.time,
+        time=time,
         levels={
             name: Level(
                 finite(level[k]),
@@ -90,7 +89,7 @@ def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step
             for k, name in enumerate(listeners)
         },
         impacts=tuple(
-            _blow(result, impact, first + k, gains[first + k], moving)
+            _blow(result, impact, first + k, names, time - result.time)
             for k, impact in enumerate(result.impacts)
         ),
         block=np.zeros((len(listeners), 0)) if result.block is None else result.block,
@@ -102,7 +101,7 @@ def answer(result: FrameResult, history: History, moving: Sequence[str]) -> Step
 
 
 def _blow(
-    result: FrameResult, impact: Impact, row: int, gains: FloatArray, moving: Sequence[str]
+    result: FrameResult, impact: Impact, row: int, names: Sequence[str], first: float
 ) -> Blow:
     """An impact.
 
@@ -110,15 +109,17 @@ def _blow(
         result: of the frame.
         impact: one of its impacts.
         row: the number of its source.
-        gains: of that to the listeners (l,).
-        moving: names that impacts number.
+        names: of the objects that impacts number.
+        first: time of the caller's clock from which times are counted [s].
     """
-    first, second = impact.objects
+    one, other = impact.objects
     return Blow(
-        time=impact.time,
-        objects=(moving[first], moving[second]),
+        time=first + impact.time,
+        objects=(names[one], names[other]),
         position=impact.positions[0],
         energy=impact.energy,
         amplitude=result.sources[row].amplitude,
-        gains=dict(zip((item.name for item in result.listeners), gains.tolist(), strict=True)),
+        gains=dict(
+            zip((item.name for item in result.listeners), result.gains[row].tolist(), strict=True)
+        ),
     )

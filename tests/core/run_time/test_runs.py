@@ -351,3 +351,150 @@ def test_a_misspelt_setting_is_named():
 def test_a_time_that_is_no_number_is_named():
     with pytest.raises(ValueError, match=r"^time: must be a finite number"):
         ht.open(floor_and_crate()).step("0")
+
+
+def falls_and_bounces(frame_rate, seconds):
+    """Times and heights of a crate that is thrown up every half second."""
+    for frame in range(round(seconds * frame_rate)):
+        time = frame / frame_rate
+        up = (time % 0.5) - 0.25
+        yield time, (0, 0, 0.5 + G / 2 * (0.25**2 - up**2), *STILL)
+
+
+@pytest.mark.parametrize("merged", [2, 5, 13])
+def test_steps_that_are_answered_together_have_every_blow_and_sample(merged):
+    """A group's answer has the blows that its steps have alone, and the state of its last step; its
+    samples are those since the last answer."""
+    quiet = {"impacts": True, "least_energy": 1.0, "full_energy": 100.0}
+    alone, together = (ht.open(floor_and_crate(rules=quiet)) for _ in range(2))
+    blows, told, steps, groups = [], [], [], []
+    for number, (time, pose) in enumerate(falls_and_bounces(60, 3.0)):
+        steps.append(alone.step(time, {"crate": pose}))
+        blows += steps[-1].impacts
+        together.follow(time, {"crate": pose})
+        if number % merged == 0:
+            groups.append(together.answer())
+            told += groups[-1].impacts
+            assert groups[-1].levels["hand"].gains["drill"] == pytest.approx(
+                steps[-1].levels["hand"].gains["drill"]
+            )
+    assert len(blows) >= 4
+    late = groups[-1].time
+    assert [(blow.time, blow.objects, blow.energy) for blow in told] == [
+        (blow.time, blow.objects, blow.energy) for blow in blows if blow.time <= late
+    ]
+    for before, after in pairwise(groups[1:]):
+        assert after.first_sample == before.first_sample + before.block.shape[1]
+    assert groups[0].block.shape[1] == 0 == groups[1].first_sample
+
+
+def test_a_beginning_that_is_not_answered_still_begins_the_samples():
+    run = ht.open(floor_and_crate(), sample_rate=8000)
+    run.follow(3.0)
+    run.follow(3.1)
+    step = run.answer()
+    assert (step.first_sample, step.block.shape[1]) == (0, 800)
+    with pytest.raises(ValueError, match="no step"):
+        run.answer()
+
+
+def test_objects_stay_until_what_was_followed_is_answered():
+    run = ht.open(floor_and_crate())
+    run.follow(0.0)
+    with pytest.raises(ValueError, match="answer"):
+        run.remove(object="crate")
+    run.answer()
+    run.remove(object="crate")
+    assert run.objects == ("ground",)
+
+
+@pytest.mark.parametrize("origin", [-3600.0, 0.0, 1e6, 1.7e9])
+def test_any_clock_gives_the_same_answers(origin):
+    """Seconds since the start, an uptime of 11 days, and Unix time, at a rate that all of them hold."""
+    click = {"name": "click", "object": "crate", "position": [0, 0, 1], "triggers": []}
+    scene = floor_and_crate(sources=[click])
+    run, reference = ht.open(scene), ht.open(scene)
+    blows = []
+    for k in range(40):
+        if k == 30:
+            run.play("click")
+            reference.play("click")
+        pose = {"crate": (0, 0, max(1 - G / 2 * (k / 64) ** 2, 0.0) + 0.5, *STILL)}
+        step, same = run.step(origin + k / 64, pose), reference.step(k / 64, pose)
+        assert (step.first_sample, step.block.shape) == (same.first_sample, same.block.shape)
+        assert np.abs(step.block - same.block).max(initial=0.0) < 1e-3
+        blows += zip(step.impacts, same.impacts, strict=True)
+    ((blow, other),) = blows
+    assert blow.time - origin == pytest.approx(other.time, abs=1e-6)
+
+
+def test_a_clock_that_jumps_and_a_run_of_weeks_go_on():
+    run = ht.open(floor_and_crate())
+    run.step(0.0)
+    assert run.step(1.7e9).block.shape[1] == 0
+    assert run.step(1.7e9 + 1 / 64).block.shape[1] == 125
+    run._first = 1.7e9 - 1e6  # as if it had begun 11.6 days ago
+    anew = run.step(1.7e9 + 2 / 64)
+    assert (anew.first_sample, anew.block.shape[1]) == (0, 0)
+
+
+def test_a_play_is_not_repeated_where_time_begins_anew():
+    click = {"name": "click", "object": "crate", "position": [0, 0, 1], "triggers": []}
+    run = ht.open(floor_and_crate(sources=[click]))
+    for k in range(30):
+        if k == 5:
+            run.play("click")
+        run.step(k / 60)
+    assert not run.step(0.0).levels["hand"].gains
+    assert not any(run.step((k + 1) / 60).block.any() for k in range(30))
+    run.play("click")
+    run.step(9.0)  # anew; what was asked for before it is carried
+    assert run.step(9.02).block.any()
+
+
+POST = {"name": "post", "kappa": 0.1, "rho": 0.9, "pose": {"position": [5, 0, 0]}}
+"""An object without a shape."""
+
+
+@pytest.mark.parametrize("shaped", [[], ["ground", "crate"], ["crate"]])
+def test_objects_without_a_shape_stand_beside_others(shaped):
+    """Listeners, listed contacts and the engine's blows are the same for objects with and without
+    shapes: the gain of an exponential function is that of its distance."""
+    loss = {"propagation": {"function": "exponential", "alpha": 0.5}}
+    bodies = [item | loss for item in floor_and_crate().document["objects"]]
+    bodies = [
+        item if item["name"] in shaped else {k: v for k, v in item.items() if k != "shape"}
+        for item in bodies
+    ]
+    run = ht.open(
+        ht.Scene(
+            objects=[POST | loss, *bodies],
+            sources=[{"name": "drill", "object": "post", "position": [5, 0, 2]}],
+            listeners=[
+                {"name": "foot", "object": "post", "position": [5, 0, 0], "radius": 0},
+                {"name": "hand", "object": "crate", "position": [0, 0, 1]},
+            ],
+            contacts=[
+                {
+                    "objects": ["post", "crate"],
+                    "positions": [[5, 0, 0], [0, 0, 0.5]],
+                    "transmission": {"function": "identity"},
+                }
+            ],
+        )
+    )
+    assert run.objects == ("post", "ground", "crate")
+    run.step(0.0)
+    hit = [{"objects": ["post", "crate"], "position": [5, 0, 3], "energy": 100.0}]
+    step = run.step(0.02, impacts=hit)
+    assert step.levels["foot"].gains["drill"] == pytest.approx(math.exp(-0.5 * 2))
+    (blow,) = step.impacts
+    assert set(blow.objects) == {"post", "crate"}
+    assert blow.gains["foot"] == pytest.approx(math.exp(-0.5 * 3))
+    run.replace(object=POST | loss)
+    run.replace(object={k: v for k, v in bodies[1].items() if k != "shape"})
+    run.add(object=POST | {"name": "crane", "shape": {"type": "sphere", "radius": 1}})
+    assert run.objects == ("post", "ground", "crate", "crane")
+    run.step(0.04, {"crate": (0, 0, 4, *STILL)})
+    run.remove(object="ground")
+    assert run.step(0.06).levels["foot"].gains["drill"] == pytest.approx(math.exp(-1))
