@@ -29,7 +29,7 @@ _LENT = {
     "addon.properties": "actuators",
     "addon.scene_reader": "functions imported settings triggers",
     "addon.session": "session",
-    "addon.view": "air_contacts comparison explanation gain_plot graph_mesh inspection lane levels "
+    "addon.view": "comparison explanation gain_plot graph_mesh inspection lane levels "
     "meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture table watched",
     "addon.vr": "controllers drawing recording",

@@ -89,12 +89,6 @@ def say(lines: Iterable[str]) -> None:
         print(one_line(line), file=sys.stderr)
 
 
-def warn_of_unknown(file: object, unknown: Sequence[str]) -> None:
-    """Warn about ignored keys of a newer version."""
-    if unknown:
-        say([f"{file}: of a newer version; not read: {', '.join(unknown)}"])
-
-
 def build_parser() -> argparse.ArgumentParser:
     """The parser of all subcommands."""
     parser = _OneLineParser(

@@ -6,7 +6,6 @@ import argparse
 import math
 import os
 import re
-import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -235,7 +234,6 @@ def _export(parser: Parser) -> None:
     _add(parser, "--to", "FORMAT,...", FORMAT_NAMES, default="")
     _add_folder(parser, "where the files are written; -: one file, to standard output")
     _add_format_options(parser)
-    _add_old_format_options(parser)
     _add(parser, "--seconds", "X", "how long a scene without frames is rendered (10)", default=10.0)
     _add(parser, "--sample-rate", "HZ", "of the rendered tracks (8000)", default=8000)
     _flag(parser, "--losses", "only say what the formats can't carry")
@@ -265,7 +263,6 @@ def _convert(parser: Parser) -> None:
     _add_from(parser)
     parser.add_argument("--to", choices=tuple(formats()), help="the format of - as a target")
     _add_format_options(parser)
-    _add_old_format_options(parser)
 
 
 def _add_from(parser: Parser) -> None:
@@ -624,18 +621,6 @@ class _JobTemplate(argparse.Action):
             )
         print((Path(__file__).parent / "bake.yaml").read_text(encoding="utf-8"), end="")
         parser.exit()
-
-
-class _RenamedOption(argparse.Action):
-    """The name that ``--option`` had in version 0.1."""
-
-    def __call__(self, parser: Parser, space: argparse.Namespace, *given: Any) -> None:
-        print("--set: options of formats are given by --option now", file=sys.stderr)
-        space.options = [*space.options, given[0]]
-
-
-def _add_old_format_options(parser: Parser) -> None:
-    parser.add_argument("--set", action=_RenamedOption, help=argparse.SUPPRESS)
 
 
 def _connections(text: str) -> int | None:

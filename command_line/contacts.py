@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 
 from ..core.run_time import load
-from . import print_json, warn_of_unknown
+from . import print_json
 
 
 def run(args: argparse.Namespace) -> int:
     """Print ``{"contacts": [...]}`` in the format of the scene file, each contact with its signed
     ``distance`` in metres."""
     scene = load(args.scene)
-    warn_of_unknown(args.scene, scene.export.unknown)
     contacts = scene.contacts_found(args.tolerance)
     names = [item.name for item in scene.content.objects]
     forms = [

@@ -15,7 +15,7 @@ from ..core.formats.export import Export
 from ..core.formats.io.catalogue import named, track_formats
 from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ..core.formats.tracks.vibration_file import Channel, VibrationFile
-from . import say, warn_of_unknown
+from . import say
 from .export import chosen_options, may_replace, print_written
 from .standard_streams import DASH, INPUT, OUTPUT, for_output, from_input, put_out
 
@@ -57,7 +57,6 @@ def _converted(source: Path, target: Path, options: list[str]) -> tuple[str, reg
                 f"{target}: a haptic scene becomes a haptic scene; to render it, use export"
             )
         export = haptic_scene.read_export(source)
-        warn_of_unknown(source, export.unknown)
         tracks = "none" if export.tracks is None else "inline"
         files = haptic_scene.write_export(export, target, tracks=tracks, encoding="float32")
         return "scene", registry.Written(tuple(files), ())

@@ -19,7 +19,7 @@ from ..core.devices.profile_files import BUILT_IN, load_profiles
 from ..core.devices.profiles import Actuator, Profile
 from ..core.devices.report import Report, Transport
 from ..core.formats.io.strict_json import read_json
-from ..core.formats.scene.scene_json import current_document, scene_of, write_document
+from ..core.formats.scene.scene_json import scene_of, valid_document, write_document
 from ..core.forms import JsonObject
 from ..core.scene.references import named
 from ..core.signals.wav import read_wav
@@ -139,7 +139,7 @@ def run_calibrate(args: argparse.Namespace) -> int:
     print(f"Full Scale: {Curve.text(known['full_scale'])}")
     print(f"Unit: {known['full_scale_unit']}\nCalibrated By: {known['full_scale_source']}")
     if args.scene is not None:
-        document = current_document(read_json(args.scene), args.scene)[0]
+        document = valid_document(read_json(args.scene), args.scene)
         named(
             args.listener, {form["name"]: form for form in document["listeners"]}, "listener"
         ).update(known)

@@ -18,7 +18,7 @@ from ..core.formats.io.file_names import file_stem
 from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.forms import JsonObject
 from ..core.run_time import Scene, load
-from . import print_json, say, warn_of_unknown
+from . import print_json, say
 from .picture import check_matplotlib, write_picture
 from .silence import silent_listeners
 from .standard_streams import DASH, folder, put_out
@@ -39,7 +39,6 @@ def run(args: argparse.Namespace) -> int:
         )
     scene = load(args.scene)
     export = scene.export
-    warn_of_unknown(args.scene, export.unknown)
     say(f"{args.scene}: {words}" for words in doubts(scene.content))
     if args.methods:
         if args.json:

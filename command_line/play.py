@@ -18,7 +18,7 @@ from ..core.formats.tracks.listener_tracks import Tracks
 from ..core.formats.tracks.wav import at_rate
 from ..core.message import sentence
 from ..core.run_time import load
-from . import answer, say, warn_of_unknown
+from . import answer, say
 from .convert import given, is_scene, tracks_of
 from .export import rendered
 from .keyboard import pressed_keys
@@ -61,7 +61,6 @@ def _tracks(path: Path, seconds: float) -> Tracks:
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
     scene = load(path)
-    warn_of_unknown(path, scene.export.unknown)
     return rendered(scene, seconds, RATE).need_tracks()
 
 

@@ -19,14 +19,13 @@ from ..core.render.frame_result import Sounding
 from ..core.render.masking import felt_sources
 from ..core.run_time import Scene, load
 from ..core.scene.values import HapticScene
-from . import print_json, say, warn_of_unknown
+from . import print_json, say
 from .silence import silence_of
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
     scene = load(args.scene)
-    warn_of_unknown(args.scene, scene.export.unknown)
     say(f"{args.scene}: {words}" for words in doubts(scene.content))
     chosen = {
         key: value

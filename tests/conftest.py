@@ -115,29 +115,6 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(100_000, 20, 50)
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """How many old files give the same bits, and the largest difference."""
-    reports = [
-        report
-        for outcome in ("passed", "failed")
-        for report in terminalreporter.getreports(outcome)
-    ]
-    found = [
-        value
-        for report in reports
-        if report.when == "call"
-        for key, value in report.user_properties
-        if key == "old file"
-    ]
-    if found:
-        name, _, decibels = max(found, key=lambda item: item[2])
-        same = sum(equal for _, equal, _ in found)
-        terminalreporter.write_line(
-            f"old files: {same} of {len(found)} give the same bits; largest difference "
-            f"{decibels:.3f} dB ({name})"
-        )
-
-
 def pytest_sessionfinish() -> None:
     """Commands that ran in this process asked for the add-on to be disabled at its end: their tests
     have done so."""

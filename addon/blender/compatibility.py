@@ -121,7 +121,7 @@ STRIPS = "strips" if "strips" in bpy.types.SequenceEditor.bl_rna.properties else
 
 
 def strips_of(editor: Any) -> Any:
-    """All strips of the sequencer; called sequences in earlier versions."""
+    """All strips of the sequencer; called sequences before Blender 5."""
     return getattr(editor, STRIPS)
 
 

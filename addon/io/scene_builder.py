@@ -29,7 +29,6 @@ from ..properties.materials import add_material, own_values
 from ..scene_reader.functions import read_transmission
 from ..scene_reader.imported import file_contacts, near, text_of, text_of_contacts, text_with
 from ..scene_reader.objects import read_object
-from ..scene_reader.roles import follow_unit_scale
 from .devices import take_devices
 from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
@@ -57,7 +56,6 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
     Returns sentences about losses.
 
     """
-    follow_unit_scale(scene)
     builder = _Builder(export, scene)
     frame = scene.frame_current
     try:

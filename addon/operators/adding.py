@@ -16,7 +16,7 @@ from ..blender.polling import Edit, OnActive, receiving
 from ..blender.units import metres_per_unit
 from ..properties.kinds import choice
 from ..scene_reader import triggers
-from ..scene_reader.roles import follow_unit_scale, haptic_carrier
+from ..scene_reader.roles import haptic_carrier
 from .tagging import make_source
 
 _SOURCES = (
@@ -45,7 +45,6 @@ class HAPTIC_OT_add_source_object(Edit):
             if context.object is not None and context.object.select_get()
             else None
         )
-        follow_unit_scale(context.scene)
         place = Matrix.Translation(context.scene.cursor.location)
         place @= Matrix.Scale(1 / metres_per_unit(context.scene), 4)
         if carrier is not None:
@@ -138,7 +137,6 @@ class HAPTIC_OT_add_medium(Edit):
     )
 
     def apply(self, context: Context) -> None:
-        follow_unit_scale(context.scene)
         material = MATERIALS[self.medium]
         corners = [
             obj.matrix_world @ Vector(corner)

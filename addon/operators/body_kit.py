@@ -10,7 +10,7 @@ from ..authoring import body_kit, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
 from ..blender.words import TranslatedError
 from ..properties.kinds import choice
-from ..scene_reader.roles import follow_unit_scale, haptic_carrier
+from ..scene_reader.roles import haptic_carrier
 from .materials import BODY_ITEMS
 
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
@@ -43,7 +43,6 @@ class HAPTIC_OT_add_default_listeners(OnActive):
     body: choice("Body", "How a new body damps vibration", BODY_ITEMS)
 
     def apply(self, context: Context) -> None:
-        follow_unit_scale(context.scene)
         active = context.object
         armature = body_kit.armature_of(active)
         wanted = tuple(BODY_PART[name] for name in _PARTS[self.parts])
@@ -96,7 +95,6 @@ class HAPTIC_OT_add_default_listeners(OnActive):
         if not body.haptics.enabled:
             guess = materials.guesses([body])[body]
             materials.make_haptic(context.scene, {body: guess or MATERIALS["flesh"]})
-            body.haptics.surface = "SEEN"
         is_chosen = self.body != "MEASURED" or body.haptics.function == "haptic_tracing"
         if (
             is_new

@@ -50,8 +50,6 @@ class HAPTIC_OT_import_scene(_FromFile, Edit):
     def apply(self, context: Context) -> None:
         export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
         losses = scene_builder.build(export, context.scene, self.use_settings)
-        if export.unknown:
-            self.warn("Of a newer version; not read: {}", ", ".join(export.unknown))
         for loss in losses[:MOST_REPORTED]:
             self.warn(loss)
         self.tell("Haptic scene imported: {}", Path(self.filepath).name)

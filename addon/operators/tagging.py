@@ -28,7 +28,7 @@ from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch, text
 from ..properties.signal_kinds import PLAIN
 from ..scene_reader.instances import with_instanced
-from ..scene_reader.roles import follow_unit_scale, haptic_carrier
+from ..scene_reader.roles import haptic_carrier
 from ..session import session, worker
 
 _FEW = 4
@@ -38,13 +38,10 @@ _FEW = 4
 def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     """Make objects haptic, with guessed materials where they were not haptic before. Returns how
     many materials were guessed."""
-    follow_unit_scale(scene)
     new = [obj for obj in objects if not obj.haptics.enabled]
     unknown = [obj for obj in new if guess and not obj.haptics.material.name]
     guesses = materials.guesses(unknown)
     materials.make_haptic(scene, {obj: guesses.get(obj) for obj in new})
-    for obj in new:
-        obj.haptics.surface = "SEEN"
     return sum(material is not None for material in guesses.values())
 
 
@@ -204,33 +201,6 @@ class HAPTIC_OT_add_listener(OnSelected):
             )
         if not own:
             raise ValueError(linked_message(chosen))
-
-
-class HAPTIC_OT_use_real_surface(Edit):
-    """Let the surface that is seen touch others, instead of the convex hull around it"""
-
-    bl_label = "Use Real Surface"
-
-    all: switch(
-        "All Objects",
-        "All haptic objects of the scene, not only the active one",
-    )
-
-    def apply(self, context: Context) -> None:
-        active = [] if context.object is None else [context.object]
-        chosen = with_instanced(context.scene.objects if self.all else active)
-        hulled = [obj for obj in chosen if obj.haptics.surface == "CONVEX_HULL"]
-        for obj in progress(editable(obj for obj in hulled if obj.haptics.enabled)):
-            obj.haptics.surface = "SEEN"
-
-
-class HAPTIC_OT_use_unit_scale(Edit):
-    """Let lengths, speeds, masses and gravity be those that Blender shows with the scene's unit scale, instead of a metre per unit"""
-
-    bl_label = "Use Unit Scale"
-
-    def apply(self, context: Context) -> None:
-        context.scene.haptics.use_unit_scale = True
 
 
 class HAPTIC_OT_set_gravity(Edit):

@@ -14,7 +14,7 @@ from ..blender.words import show, show_pair, ui_text
 from ..live_output import handlers, unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
-from ..view import air_contacts, doubtful_scale, explanation, levels, paths, watched
+from ..view import doubtful_scale, explanation, levels, paths, watched
 from .cures import draw_cure
 from .drawing import draw_problems, select_button
 from .hints import next_step, of_units
@@ -142,12 +142,6 @@ def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
             select_button(row, name, fitted(name, 0.5, True), icon="RESTRICT_SELECT_OFF")
     elif handlers.is_new():
         row.label(text="Heard, too: see the speaker below", icon="SPEAKER")
-    elif sessions.shown(scene) is not None and air_contacts.contacts_in_air(scene) > 0:
-        count = air_contacts.contacts_in_air(scene)
-        show(row, ui_text("Through air: {}", count), "INFO")
-        row.operator(
-            "haptic.use_real_surface", text="Use Real Surface", icon="MESH_DATA"
-        ).all = True
     elif (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
         words = ui_text("{:,} instances move: {:.0f} ms a frame", *moving)
         show(row, words, "INFO")

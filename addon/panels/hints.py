@@ -52,16 +52,12 @@ def next_step(scene: Scene) -> Hint | None:
 
 
 def of_units(scene: Scene) -> Hint | None:
-    """What the user should decide about the unit scale; None if it is used and gravity is about
-    that of Earth."""
-    haptics, units = scene.haptics, scene.unit_settings
-    if not roles.is_any_tagged(scene):
-        return None
-    if not haptics.use_unit_scale and units.system != "NONE" and units.scale_length != 1.0:
-        use = (("haptic.use_unit_scale", "CON_SIZELIKE"),)
-        return Hint(ui_text("A unit counts as a metre"), use)
+    """What the user should decide about gravity at the unit scale; None if it is about that of
+    Earth."""
+    haptics = scene.haptics
     if (
-        not haptics.impacts
+        not roles.is_any_tagged(scene)
+        or not haptics.impacts
         or haptics.impacts_in_units
         or scene.rigidbody_world is None
         or metres_per_unit(scene) == 1.0

@@ -169,9 +169,7 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
         draw_sentence(layout, words.format(length), "INFO")
         return
     warn(layout, "Its convex hull touches,", ui_text("up to {} beside its surface", length))
-    if body is None:
-        layout.operator("haptic.use_real_surface", icon="MESH_DATA")
-    else:
+    if body is not None:
         layout.operator("haptic.use_mesh", icon="MESH_DATA")
 
 

@@ -124,7 +124,6 @@ class HAPTIC_PT_contacts(ScenePanel):
     def draw(self, context: Context) -> None:
         layout = settings_layout(self)
         haptics = context.scene.haptics
-        layout.prop(haptics, "use_unit_scale")
         layout.prop(haptics, "contact_tolerance")
         rule = draw_table(layout, context, "transmission_table")
         if rule is not None:

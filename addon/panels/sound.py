@@ -42,9 +42,8 @@ class HAPTIC_PT_sound(ObjectPanel):
         )
         layout.operator("haptic.convert_sound", icon="FILE_REFRESH")
         if sound.kept:
-            # In files of earlier versions nothing tells what was taken.
             now = sound_source.taken(context.scene, sound)
-            if sound.is_edited or sound.taken not in ("", now):
+            if sound.is_edited or sound.taken != now:
                 draw_sentence(layout, "Changed since it was converted", "INFO")
             colour = tuple(preferences().curve_colour)
             ink = panel_picture.theme_ink(context)

@@ -31,11 +31,6 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
         "shape",
         (
             (
-                "CONVEX_HULL",
-                "Convex Hull",
-                "A skin around all vertices, which closes holes and hollows",
-            ),
-            (
                 "SEEN",
                 "As Seen",
                 "The surface: a solid if it is closed, otherwise a shell; where an armature moves "
@@ -51,6 +46,11 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
                 "Shell",
                 "A thin skin: what is inside, such as a lamp in a room, touches only where it is "
                 "close to it",
+            ),
+            (
+                "CONVEX_HULL",
+                "Convex Hull",
+                "A skin around all vertices, which closes holes and hollows",
             ),
         ),
     )

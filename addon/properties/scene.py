@@ -92,13 +92,6 @@ class HapticSceneProperties(Stored, PropertyGroup):
     tracing: switch(
         "Trace", "Trace haptics at every frame while the timeline plays or objects move", True
     )
-    use_unit_scale: switch(
-        "Use Unit Scale",
-        "Lengths, speeds, masses and gravity are those that Blender shows; otherwise a unit is a "
-        "metre",
-        options=set(),
-        update=changed,
-    )
     impacts_in_units: switch(
         "Impacts in Units",
         "Judge the energy of impacts as if a unit were a metre, where gravity was never adapted "

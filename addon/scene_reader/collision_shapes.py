@@ -129,12 +129,8 @@ def _shape_of_surface(
         _check_number(triangles)
     points = apply_stretch(vertices, stretch)
     if len(triangles) > _MOST_KEPT:
-        found = surface_shape(points, outwards, surface, tolerance, sunk_in)
-    else:
-        found = _surface_shape(points.tobytes(), outwards.tobytes(), surface, tolerance, sunk_in)
-    return (
-        replace(found, seen=None) if haptics.is_property_set("surface") else found
-    )  # a hull that was chosen
+        return surface_shape(points, outwards, surface, tolerance, sunk_in)
+    return _surface_shape(points.tobytes(), outwards.tobytes(), surface, tolerance, sunk_in)
 
 
 def _shape_of_body(

@@ -76,7 +76,6 @@ _NOT_FELT = frozenset(
         *(
             "rna_type",
             "tracing",
-            "use_unit_scale",
             "show_overlay",
             "show_intra",
             "show_best_paths",
@@ -92,8 +91,6 @@ _NOT_FELT = frozenset(
 )
 """Properties that change nothing of what is baked: of the view, of output, of other modalities, and
 those whose values objects copy."""
-_ADDED = {"surface", "sunk_in", "impacts_in_units", "from_patches"}
-"""Properties that the digests of earlier versions lack: left out where they have their default."""
 _BONE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
 _WORLD = ("enabled", "time_scale", "substeps_per_frame", "solver_iterations")
@@ -156,8 +153,7 @@ def motion_of(scene: Scene) -> str:
         obj for obj in _layer_objects(scene) if _may_collide(obj) or obj.name in regions
     )
     motions = [(obj.name_full, _motion(obj, ("haptics.",))) for obj in moving]
-    units = () if metres_per_unit(scene) == 1.0 else (metres_per_unit(scene),)
-    return checksum([_physics(scene), motions, *units])
+    return checksum([_physics(scene), motions, metres_per_unit(scene)])
 
 
 def changes(before: Form, now: Digest) -> tuple[Change, ...]:
@@ -176,8 +172,7 @@ def changes(before: Form, now: Digest) -> tuple[Change, ...]:
     found += [("added", name) for name in objects if name not in old]
     found += [("removed", name) for name in old if name not in objects]
     for name, aspects in objects.items():
-        # Digests of earlier versions lack this aspect.
-        known = {"deformation": aspects["deformation"], **_mapping(old.get(name, aspects))}
+        known = _mapping(old.get(name, aspects))
         found += [(aspect, name) for aspect in _ASPECTS if known.get(aspect) != aspects[aspect]]
     more = len(found) - _MOST_CHANGES
     return (*found[:_MOST_CHANGES], *((("more", more),) if more > 0 else ()))
@@ -222,7 +217,7 @@ def _physics(scene: Scene) -> Digest:
         "frame rate": [
             render.fps,
             round(render.fps_base, 6),
-            *(() if stretch == 1.0 else (stretch,)),
+            stretch,
         ],
         "gravity": [round(v, 6) for v in scene.gravity] if scene.use_gravity else None,
         "physics": None if world is None else checksum(values_of(world, _WORLD)),
@@ -290,13 +285,11 @@ def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[st
     except those of which the data path, which begins with ``prefix``, is ``animated``: their values
     depend on the current frame."""
     found = []
-    for key, kind, default in _felt_properties(group.__class__):
+    for key, kind in _felt_properties(group.__class__):
         path = f"{prefix}{key}"
         if path in animated:
             continue
         value = getattr(group, key)
-        if key in _ADDED and value == default:
-            continue
         if kind == "COLLECTION":
             value = [
                 ("", _values(item, animated, f"{path}[{number}]."))
@@ -313,10 +306,10 @@ def _values(group: Any, animated: Collection[str], prefix: str) -> list[tuple[st
 
 
 @lru_cache(maxsize=64)
-def _felt_properties(group: type[PropertyGroup]) -> tuple[tuple[str, str, Any], ...]:
-    """Names, kinds and defaults of the properties of a group that change what is felt."""
+def _felt_properties(group: type[PropertyGroup]) -> tuple[tuple[str, str], ...]:
+    """Names and kinds of the properties of a group that change what is felt."""
     return tuple(
-        (item.identifier, item.type, getattr(item, "default", None))
+        (item.identifier, item.type)
         for item in group.bl_rna.properties
         if item.identifier not in _NOT_FELT
     )
@@ -404,12 +397,10 @@ def _motion(obj: Object, ignored: tuple[str, ...] = ()) -> dict[str, str]:
 
 
 def _body(obj: Object) -> list[Any]:
-    """The values of an object's rigid body, and its collision layers if these are not Blender's
-    default, the first one: digests of earlier versions lack them."""
+    """The values of an object's rigid body, and its collision layers."""
     if obj.rigid_body is None:
         return []
-    layers = read_layers(obj, 1)
-    return values_of(obj.rigid_body, _BODY) + ([] if layers == 1 else [layers])
+    return [*values_of(obj.rigid_body, _BODY), read_layers(obj, 1)]
 
 
 def _effective_values(item: Any, prefix: str, animated: Collection[str]) -> list[Any]:

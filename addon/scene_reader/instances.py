@@ -2,8 +2,7 @@
 their own.
 
 An instance is haptic if the object that it shows is, else if its instancer is, with the properties
-of that one. Objects whose *Surface* was never chosen are of earlier versions, in which instances
-did not count.
+of that one.
 """
 
 from __future__ import annotations
@@ -76,16 +75,11 @@ def haptic_instances(depsgraph: Depsgraph) -> Iterator[HapticInstance]:
         assert shown is not None and instancer is not None
         if shown == instancer and instance.persistent_id[1] == _UNUSED:
             continue  # its own mesh, as Blender has that of curves, texts and metaballs
-        owner = next((obj for obj in (shown, instancer) if counts(obj)), None)
+        owner = next((obj for obj in (shown, instancer) if obj.haptics.enabled), None)
         if owner is not None:
             number = ".".join(str(k) for k in reversed(instance.persistent_id) if k != _UNUSED)
             name = f"{instancer.name_full}: {shown.name_full} {number}"
             yield HapticInstance(place, name, owner, instancer, instance.object)
-
-
-def counts(obj: Object) -> bool:
-    """Whether the instances of a haptic object are haptic."""
-    return obj.haptics.enabled and obj.haptics.is_property_set("surface")
 
 
 def instanced_collections(depsgraph: Depsgraph) -> Iterator[tuple[Object, list[Object]]]:

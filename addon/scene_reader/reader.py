@@ -47,7 +47,6 @@ from .instances import (
     NONE,
     Instances,
     all_matrices,
-    counts,
     haptic_instances,
     instanced_collections,
 )
@@ -723,7 +722,7 @@ class SceneReader:
         is_unchecked = session_id in self._unchecked and not (is_known and hides_multires(obj))
         alike = None
         if is_unchecked or not is_known:
-            alike = mesh_number(obj, depsgraph), obj.haptics.is_property_set("surface"), key
+            alike = mesh_number(obj, depsgraph), key
             found = self._alike.get(alike)
             if found is not None:
                 if known is None or not is_known or known[1] != found[1]:
@@ -901,19 +900,11 @@ def _without_carrier(obj: Object, role: str) -> Problem:
 
 
 def _instance_problems(depsgraph: Depsgraph) -> Iterator[Problem]:
-    """The problems of collection instances with sources, listeners or haptic objects that are
-    ignored."""
+    """The problems of collection instances with sources or listeners, which are ignored."""
     for instancer, shown in instanced_collections(depsgraph):
         if any(obj.haptics.source.enabled or obj.haptics.listener.enabled for obj in shown):
             words = iface_(
                 "the sources and listeners of its collection don't count here: press Realize "
                 "Instances"
             )
-        elif any(is_tagged(obj) and not counts(obj) for obj in shown):
-            words = iface_(
-                "the haptic objects of its collection don't count here: press Use Real Surface "
-                "for them, or Realize Instances"
-            )
-        else:
-            continue
-        yield Problem(instancer.name_full, words)
+            yield Problem(instancer.name_full, words)

@@ -63,13 +63,6 @@ def is_any_tagged(scene: Scene) -> bool:
     return False
 
 
-def follow_unit_scale(scene: Scene) -> None:
-    """Use the unit scale of a scene in which nothing is haptic yet. Those of earlier versions keep
-    a metre per unit until asked."""
-    if not is_any_tagged(scene):
-        scene.haptics.use_unit_scale = True
-
-
 def haptic_carrier(obj: Object | None) -> Object | None:
     """The object itself if it is haptic, else its nearest haptic ancestor, else None; for an
     armature the haptic body that it moves."""

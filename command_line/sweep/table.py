@@ -38,8 +38,7 @@ def write_table(path: Path, folder: Path, keyed: Sequence[tuple[str, Variant]]) 
     Columns: ``key``, the varied parameters, ``level`` in dB of the RMS (0 dB: a constant 1; null if
     nothing is felt), ``peak``, ``gains`` (mean over the frames, by persistent source, including the
     amplitude), ``error_bound``, ``silenced``, ``threshold`` of feeling in dB of the listener's
-    calibrated device (null without a calibration; tables of earlier versions lack it), and
-    ``milliseconds`` of tracing a frame.
+    calibrated device (null without a calibration), and ``milliseconds`` of tracing a frame.
     """
     varied: dict[str, pa.DataType] = {}
     for _, variant in keyed:

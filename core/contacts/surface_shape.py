@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..frozen import frozen
 from .hull import Hull, convex_hull
-from .shapes import MAX_TRIANGLES, ConvexHull, Mesh, Shape
+from .shapes import ConvexHull, Mesh, Shape
 
 SUNK_IN = 0.05
 """Depth beneath the surface of a solid down to which bodies inside it touch it [m]."""
@@ -37,12 +37,10 @@ class Surface(Enum):
 @frozen
 class SurfaceShape:
     """A shape, and how far the convex hull is from the surface [m], a lower bound where that has
-    very many triangles; ``seen``: of a hull that was chosen for a concave surface, the shape that
-    this has."""
+    very many triangles."""
 
     shape: Shape
     deviation: float = 0.0
-    seen: Shape | None = None
 
 
 def surface_shape(
@@ -72,11 +70,8 @@ def surface_shape(
     if convex:
         deviation = _deviation(hull, corners, _MOST)
         convex = deviation <= tolerance
-    if surface is Surface.CONVEX_HULL and len(triangles) > MAX_TRIANGLES:
-        return SurfaceShape(hulled, deviation)
     if surface is Surface.CONVEX_HULL:
-        seen = surface_shape(points, triangles, Surface.SEEN, tolerance, sunk_in).shape
-        return SurfaceShape(hulled, deviation, None if isinstance(seen, ConvexHull) else seen)
+        return SurfaceShape(hulled, deviation)
     volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))
     closed = surface is not Surface.SHELL and is_closed(points, triangles)
     solid = surface is Surface.SOLID or (closed and volume > 0)

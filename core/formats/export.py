@@ -20,9 +20,8 @@ from .tracks.listener_tracks import Tracks
 class Export:
     """A scene with its recording and its rendered tracks.
 
-    Files are named after ``name``; ``date`` is in ISO 8601. ``unknown``: JSON pointers of keys of a
-    newer version that were not read. ``origin``: the provenance of tracks that come without their
-    scene.
+    Files are named after ``name``; ``date`` is in ISO 8601. ``origin``: the provenance of
+    tracks that come without their scene.
     """
 
     name: str
@@ -33,7 +32,6 @@ class Export:
     modalities: tuple[ModalityScene, ...] = ()
     materials: tuple[LibraryMaterial, ...] = ()
     date: str = field(default_factory=lambda: datetime.date.today().isoformat())
-    unknown: tuple[str, ...] = ()
     origin: Form | None = None
 
     @cached_property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..forms import Form
@@ -15,9 +15,9 @@ from .scene.modalities_json import modalities_from_dict, modalities_to_dict
 from .scene.motion import packed
 from .scene.scene_json import (
     PROVENANCE,
-    current_document,
     scene_of,
     scene_to_dict,
+    valid_document,
     write_document,
 )
 from .scene.tracks_json import tracks_from_dict, tracks_to_dict
@@ -112,12 +112,11 @@ def write_export(
 
 def read_export(path: str | Path) -> Export:
     """The content of a ``.json`` or ``.json.gz`` file. Raises FormatError or OSError."""
-    return export_of(*current_document(read_json(path), path), Path(path))
+    return export_of(valid_document(read_json(path), path), Path(path))
 
 
-def export_of(document: Form, unknown: Sequence[str], path: Path) -> Export:
-    """The content of a document of this version, which was read from ``path``; ``unknown``: the
-    keys of a newer version that it had. Raises FormatError."""
+def export_of(document: Form, path: Path) -> Export:
+    """The content of a valid document, which was read from ``path``. Raises FormatError."""
     scene = scene_of(document, path)
     return Export(
         name=path.name.removesuffix(".gz").removesuffix(SUFFIX),
@@ -127,5 +126,4 @@ def export_of(document: Form, unknown: Sequence[str], path: Path) -> Export:
         materials=materials_from_dict(document, path),
         recording=recording_from_dict(document, scene, path),
         tracks=tracks_from_dict(document, path),
-        unknown=tuple(unknown),
     )

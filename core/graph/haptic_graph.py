@@ -531,7 +531,7 @@ def large_patches(
 ) -> IntArray:
     """Numbers (k,) of the contacts whose patches may be more than points between objects whose
     boxes have ``sizes`` (n, 3) [m], whatever these are by default."""
-    if table.spreading is None or not table.spreading.from_patches:
+    if table.spreading is None or not table.spreading.has_fronts:
         return np.zeros(0, dtype=np.int64)
     pairs = contacts.pairs.T
     point = np.minimum(*table.spreading.point[pairs])

@@ -19,8 +19,8 @@ from ..formats.scene.recording import Recording, traced
 from ..formats.scene.scene_json import (
     FORMAT,
     VERSION,
-    current_document,
     scene_to_dict,
+    valid_document,
     write_document,
 )
 from ..graph.haptic_graph import HapticGraph, NoGain, graph_of_scene
@@ -82,8 +82,8 @@ class Scene:
         return scene
 
     def _read(self, document: Any, file: str | Path) -> None:
-        self.document, unknown = current_document(document, file)
-        self.export = export_of(self.document, unknown, Path(file))
+        self.document = valid_document(document, file)
+        self.export = export_of(self.document, Path(file))
         self.content = self.export.need_scene()
         self.file = file
 

@@ -121,7 +121,6 @@ def physical(
         absorption=IN_A_BUILDING if in_a_building else 0.0,
         material_k=min(max(material.k, BOUNDS_OF_K[0]), BOUNDS_OF_K[1]),
         extent=max(middle, 1e-3),
-        from_patches=name != "flesh",
     )
     if name == "flesh":
         function = replace(function, extent=max(large, 1e-3))

@@ -188,19 +188,6 @@ def test_the_deviation_holds_for_every_vertex(scene):
     assert 0.01 < max(outside) <= deviation < 0.2
 
 
-def test_files_of_earlier_versions_keep_the_hull_of_a_character(add_box):
-    _, body = walker()
-    floor = add_box("floor", (0, 0, -0.1), (4, 4, 0.2))
-    body.haptics.enabled = floor.haptics.source.enabled = body.haptics.listener.enabled = True
-    traced()
-    reading = sessions.shown(bpy.context.scene).reading
-    assert [b.shape.type for b in reading.bodies if b.name == "body"] == ["convex_hull"]
-    bpy.context.view_layer.objects.active = body
-    bpy.ops.haptic.use_real_surface()
-    traced()
-    assert len(parts("body")) == len(_BONES)
-
-
 def test_weights_bones_and_vertices_can_be_edited(scene):
     rig, body = walker()
     make_haptic(body)

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.scene_reader import instances as reading_of_instances
+from haptic_tracing.addon.scene_reader import reader
 from haptic_tracing.addon.scene_reader.reader import SceneReader
 from haptic_tracing.addon.session import session, sessions
 from making_haptic import make_haptic
@@ -176,10 +177,9 @@ def test_edits_count_for_the_instances_of_an_object_and_read_no_others(crates, m
 
     before = kappas()
     read = []
+    found = reading_of_instances.haptic_instances
     monkeypatch.setattr(
-        reading_of_instances,
-        "counts",
-        lambda obj, old=reading_of_instances.counts: read.append(obj) or old(obj),
+        reader, "haptic_instances", lambda depsgraph: read.append(depsgraph) or found(depsgraph)
     )
     floor.haptics.kappa = 0.75
     traced()
@@ -236,18 +236,6 @@ def test_a_source_with_no_surface_but_its_instances_is_named(scene):
     nodes.links.new(realize.outputs[0], end)
     assert [source.name for source in traced().sources] == ["field"]
     assert session.problems_of(scene) == ()
-
-
-def test_files_of_earlier_versions_have_no_instances_until_asked(crates):
-    _, places = crates
-    for obj in places[0].instance_collection.objects:
-        obj.haptics.property_unset("surface")
-    assert traced().objects == ("floor",)
-    problems = session.problems_of(bpy.context.scene)
-    assert {problem.object for problem in problems} == {"place 0", "place 1", "place 2"}
-    assert all("Realize Instances" in problem.message for problem in problems)
-    bpy.ops.haptic.use_real_surface(all=True)
-    assert len(traced().objects) == 7 and session.problems_of(bpy.context.scene) == ()
 
 
 def test_an_instance_without_a_surface_names_its_button(scene, add_empty):

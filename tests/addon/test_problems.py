@@ -235,23 +235,6 @@ def test_an_armature_whose_body_was_deleted_is_named(sound, scene, add_box, trac
     assert problem.object == "rig" and "choose its Body" in problem.message
 
 
-def test_a_collection_instance_with_haptic_objects_is_named(
-    sound, scene, add_box, add_empty, traced
-):
-    collection, box = bpy.data.collections.new("crates"), add_box("crate", (0, 0, 0), (1, 1, 1))
-    scene.collection.objects.unlink(box)
-    collection.objects.link(box)
-    instance = add_empty("crates here")
-    instance.instance_type, instance.instance_collection = "COLLECTION", collection
-    _goes_on(traced())
-    (problem,) = session.problems_of(scene)
-    assert problem.object == "crates here" and "Realize Instances" in problem.message
-    box.haptics.enabled = False
-    bpy.context.view_layer.update()
-    traced()
-    assert session.problems_of(scene) == ()
-
-
 @pytest.mark.parametrize("role", ["source", "listener"])
 def test_sources_and_listeners_of_a_collection_instance_are_named(
     scene, add_box, add_empty, traced, role
@@ -276,16 +259,3 @@ def test_sources_and_listeners_of_a_collection_instance_are_named(
     assert getattr(made.haptics, role).enabled
     traced()
     assert session.problems_of(scene) == ()
-
-
-def test_an_instance_that_does_not_count_is_named_where_nothing_else_is_haptic(
-    scene, add_box, add_empty, traced
-):
-    collection, box = bpy.data.collections.new("crates"), add_box("crate", (0, 0, 0), (1, 1, 1))
-    scene.collection.objects.unlink(box)
-    collection.objects.link(box)
-    instance = add_empty("crates here")
-    instance.instance_type, instance.instance_collection = "COLLECTION", collection
-    assert traced() is None
-    (problem,) = session.problems_of(scene)
-    assert problem.object == "crates here" and "Use Real Surface" in problem.message

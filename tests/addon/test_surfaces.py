@@ -1,5 +1,5 @@
-"""What is seen is what touches: concave objects by their surface, objects of earlier files by their
-hull until that is changed."""
+"""What is seen is what touches: concave objects by their surface, or by their hull where that is
+chosen."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import fcl
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import session, sessions
-from haptic_tracing.addon.view import air_contacts
 from making_haptic import make_haptic
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
@@ -56,29 +55,12 @@ def test_a_hand_in_the_hole_of_a_ring_is_not_touched(ring):
     )
 
 
-def test_objects_of_earlier_files_keep_their_hull_until_asked(ring):
-    """Their property isn't set. The hint counts the contacts that are air, and its button removes
-    them, in one step of undo."""
-    for obj in ring:
-        obj.haptics.enabled = True
-    ring[0].haptics.source.enabled = ring[1].haptics.listener.enabled = True
-    assert set(contacts()) == {frozenset(("ring", "block")), frozenset(("ring", "hand"))}
-    reading = sessions.shown(bpy.context.scene).reading
-    assert (
-        0.09 < reading.hulls["ring"].deviation < 0.11
-    )  # the inner sides are under the flat top of the hull
-    assert air_contacts._count(sessions.shown(bpy.context.scene)) == 1
-    bpy.ops.haptic.use_real_surface(all=True)
-    assert {obj.haptics.surface for obj in ring} == {"SEEN"}
-    assert set(contacts()) == {frozenset(("ring", "block"))}
-    assert air_contacts._count(sessions.shown(bpy.context.scene)) == 0
-
-
-def test_a_hull_that_was_chosen_is_kept_without_a_hint(ring):
+def test_a_hull_that_was_chosen_touches(ring):
     make_haptic(*ring)
     ring[0].haptics.surface = "CONVEX_HULL"
     assert frozenset(("ring", "hand")) in contacts()
-    assert air_contacts._count(sessions.shown(bpy.context.scene)) == 0
+    deviation = sessions.shown(bpy.context.scene).reading.hulls["ring"].deviation
+    assert 0.09 < deviation < 0.11  # the inner sides are under the flat top of the hull
 
 
 def test_a_lamp_in_the_air_of_a_room_is_silent(add_box):
@@ -334,21 +316,13 @@ def test_what_stands_still_to_its_parent_is_computed_once(scene, add_box, add_em
     assert queries[0] > 0 and set(queries[1:10]) == {0} and min(queries[11:]) > 0
 
 
-def test_meshes_without_extent_and_with_too_many_triangles_name_a_cure(add_box, monkeypatch):
-    from haptic_tracing.core.contacts import surface_shape
-
+def test_a_mesh_without_extent_names_a_cure(add_box):
     point = add_box("point", (0, 0, 0), (1, 1, 1))
     for vertex in point.data.vertices:
         vertex.co = (1, 1, 1)
-    point.haptics.surface = "SEEN"
-    monkeypatch.setattr(surface_shape, "MAX_TRIANGLES", 100)
-    bpy.ops.mesh.primitive_torus_add()
-    bpy.context.object.haptics.enabled = True  # as in earlier files
-    bpy.context.object.haptics.source.enabled = True
     contacts()
     (problem,) = session.problems_of(bpy.context.scene)
     assert problem.object == "point" and "move them apart" in problem.message
-    assert shape_of(bpy.context.object.name).type == "convex_hull"
 
 
 def as_seen(obj) -> fcl.CollisionObject:

@@ -64,8 +64,7 @@ def modelled(scale: float, add_box: Any, add_empty: Any) -> None:
     collection = bpy.data.collections.new("stones")
     collection.objects.link(stone)
     scene.collection.objects.unlink(stone)
-    make_owner = stone.haptics
-    make_owner.enabled, make_owner.surface = True, "SEEN"
+    stone.haptics.enabled = True
     shown = add_empty("heap", (-1 / scale, 0, 1.13 / scale))
     shown.instance_type, shown.instance_collection = "COLLECTION", collection
     source = posts[0]
@@ -131,7 +130,6 @@ def test_a_scene_at_another_unit_scale_is_the_same(add_box, add_empty, scene):
     for scale in SCALES:
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         modelled(scale, add_box, add_empty)
-        assert bpy.context.scene.haptics.use_unit_scale
         results.append(found())
     first = results[0]
     assert len(first["impacts"]) >= 1 and first["impacts"][0][1] > 5.0
@@ -155,7 +153,6 @@ def test_a_file_is_imported_in_metres_and_written_again_as_it_was(add_box, add_e
     scene.unit_settings.scale_length = 0.01
     scene_builder.build(Export("beam", written), scene)
     bpy.context.view_layer.update()
-    assert scene.haptics.use_unit_scale
     assert scene.objects["hand"].matrix_world.translation.z == pytest.approx(100 * height)
     assert scene.objects["hand"].dimensions.z == pytest.approx(8.0)
     assert scene.gravity.z == pytest.approx(-981)
@@ -164,20 +161,17 @@ def test_a_file_is_imported_in_metres_and_written_again_as_it_was(add_box, add_e
     assert_same(scene_to_dict(written)["sources"], scene_to_dict(again)["sources"], "sources")
 
 
-def test_files_of_earlier_versions_keep_a_metre_per_unit_until_asked(scene, add_box, traced):
+def test_lengths_are_those_that_blender_shows(scene, add_box, traced):
     scene.unit_settings.scale_length = 0.01
     add_box("low", (0, 0, 0), (1, 1, 1))
-    add_box("high", (0, 0, 1.005), (1, 1, 1))
-    add_box("far", (0, 0, 3), (1, 1, 1))
-    assert len(traced().contacts) == 1
-    assert of_units(scene).operators[0][0] == "haptic.use_unit_scale"
-    bpy.ops.haptic.use_unit_scale()
-    assert of_units(scene) is None
-    assert len(traced().contacts) == 2  # 1 cm is a unit
+    add_box("high", (0, 0, 1.1), (1, 1, 1))
+    add_box("far", (0, 0, 4), (1, 1, 1))
+    scene.haptics.contact_tolerance = 0.002
+    assert len(traced().contacts) == 1  # 2 mm are 0.2 units
     scene.unit_settings.scale_length = 0.001
-    assert len(traced().contacts) == 3
+    assert len(traced().contacts) == 2
     scene.unit_settings.system = "NONE"  # Blender shows units
-    assert len(traced().contacts) == 1
+    assert len(traced().contacts) == 0
 
 
 def falling(scale: float) -> Any:
@@ -229,7 +223,6 @@ def test_gravity_that_ignores_the_scale_is_named_and_mended():
 def test_implausible_sizes_and_thousands_without_contact_are_named(scene, add_box, traced, settle):
     """An engine of 271 m whose parts are small is named by its extent, and no longer at a scale at
     which Blender shows 2.71 m."""
-    scene.haptics.use_unit_scale = True
     for k in range(4):
         add_box(f"engine part {k}", (k * 90.3, 0, 0), (1, 1, 1))
     traced()

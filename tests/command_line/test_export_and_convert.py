@@ -211,24 +211,6 @@ def test_all_formats_are_those_that_can_be_written(capsys, tmp_path):
     assert code == 2 and "give one such a body part" in err and not (tmp_path / "none").exists()
 
 
-def test_keys_of_a_newer_version_are_named_and_left_out(capsys, scene_file, tmp_path):
-    document = json.loads(scene_file.read_text())
-    scene_file.write_text(json.dumps({**document, "version": "1.9", "weather": "rain"}))
-    for command in (
-        ["propagate"],
-        ["contacts"],
-        ["export", "--to", "scene", "--out", tmp_path / "new"],
-    ):
-        code, out, err = run(capsys, command[0], scene_file, *command[1:])
-        assert (
-            code == 0
-            and json.loads(out)
-            and err == f"{scene_file}: of a newer version; not read: /weather\n"
-        )
-    again = json.loads((tmp_path / "new" / "bench.json").read_text())
-    assert again == json.loads(json.dumps(document))
-
-
 def test_export_of_frames_is_as_long_as_they_are(capsys, tmp_path):
     frames = (RecordedFrame(1), RecordedFrame(13, amplitudes={"hammer": 0.0}), RecordedFrame(25))
     write_export(
@@ -242,7 +224,7 @@ def test_export_of_frames_is_as_long_as_they_are(capsys, tmp_path):
         "wav",
         "--out",
         tmp_path,
-        "--set",
+        "--option",
         "wav.encoding=float32",
     )
     assert code == 0
@@ -263,7 +245,7 @@ def test_tracks_in_the_file_are_taken_as_they_are(capsys, scene_file, tmp_path):
         "scene",
         "--out",
         tmp_path / "a",
-        "--set",
+        "--option",
         "scene.tracks=wav",
         "--seconds",
         "1",
@@ -279,7 +261,7 @@ def test_tracks_in_the_file_are_taken_as_they_are(capsys, scene_file, tmp_path):
         "scene,wav",
         "--out",
         tmp_path / "b",
-        "--set",
+        "--option",
         "scene.tracks=inline",
         "--seconds",
         "1",
@@ -378,7 +360,7 @@ def test_convert_a_scene_packs_and_unpacks(capsys, scene_file, tmp_path):
 def test_what_is_wrong_is_said_in_one_line(capsys, scene_file, tmp_path):
     broken = tmp_path / "broken.json"
     broken.write_text(
-        '{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 2, '
+        '{"format": "haptic-scene", "version": "1.1", "objects": [{"name": "a", "kappa": 2, '
         '"rho": 1}]}'
     )
     silent = tmp_path / "silent.json"

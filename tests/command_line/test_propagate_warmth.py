@@ -11,7 +11,7 @@ from haptic_tracing.core.modalities.thermal import JOINT
 STONE = {"conductivity": 2.8, "thickness": 0.3}
 SCENE = {
     "format": "haptic-scene",
-    "version": "1.0",
+    "version": "1.1",
     "objects": [
         {"name": "hearth", "kappa": 0.2, "rho": 0.9},
         {"name": "bench", "kappa": 0.1, "rho": 0.8},

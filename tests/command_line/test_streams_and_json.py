@@ -252,14 +252,6 @@ def test_bash_accepts_its_completion(tmp_path, capsys):
     assert done.stdout.split() == ["propagate"]
 
 
-def test_options_of_formats_keep_their_old_name_for_a_while(scene, tmp_path, capsys):
-    arguments = ["export", str(scene), "--to", "wav", "--out", str(tmp_path), "--seconds", "0.1"]
-    assert main([*arguments, "--set", "wav.encoding=float32"]) == 0
-    assert "--option" in capsys.readouterr().err
-    old = (tmp_path / "bench.wav").read_bytes()
-    assert main([*arguments, "--option", "wav.encoding=float32"]) == 0
-    assert old == (tmp_path / "bench.wav").read_bytes()
-
 
 def test_the_manual_is_that_of_the_arguments():
     specification = importlib.util.spec_from_file_location(

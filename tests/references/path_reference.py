@@ -38,7 +38,6 @@ METRIC: tuple[ModulationFunction, ...] = (
         thickness=0.5,
         extent=2.0,
         reference_distance=0.3,
-        from_patches=True,
     ),
 )
 LOW = Sine(25.0)

@@ -3,10 +3,9 @@ file, JSON pointer and reason."""
 
 from __future__ import annotations
 
-import copy
 import json
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,10 +22,6 @@ MESSAGES = "run-time-1"
 
 Place = tuple[str | int, ...]
 
-MOST_UNKNOWN = 200
-"""Maximum number of unknown keys, list items counted once, of a readable document of a newer
-version."""
-
 _LONGEST_VALUE = 60
 
 
@@ -38,46 +33,12 @@ def validate(document: Any, schema: str | Path, file: str | Path) -> None:
         raise FormatError(file, json_pointer(fault.place), fault.reason)
 
 
-def without_unknown_keys(
-    document: JsonObject, schema: str, file: str | Path
-) -> tuple[JsonObject, tuple[str, ...]]:
-    """A copy of the document without the keys that the schema does not define, and JSON pointers to
-    these (``*``: all items of a list).
-
-    Raises FormatError for any other fault.
-    """
-    document = copy.deepcopy(document)
-    unknown: list[str] = []
-    while (fault := _fault(document, schema)) is not None:
-        if not fault.unknown or len(unknown) == MOST_UNKNOWN:
-            raise FormatError(file, json_pointer(fault.place), fault.reason)
-        pattern = [None if isinstance(part, int) else part for part in fault.place]
-        _remove(document, pattern[:-1], str(fault.place[-1]))
-        unknown.append(json_pointer("*" if part is None else part for part in pattern))
-    return document, tuple(unknown)
-
-
-def _remove(value: Any, pattern: Sequence[str | None], key: str) -> None:
-    """Remove ``key`` from the objects that the pattern leads to; None matches every item of a
-    list."""
-    if not pattern:
-        if isinstance(value, dict):
-            value.pop(key, None)
-    elif pattern[0] is None:
-        for item in value if isinstance(value, list) else ():
-            _remove(item, pattern[1:], key)
-    elif isinstance(value, dict) and pattern[0] in value:
-        _remove(value[pattern[0]], pattern[1:], key)
-
-
 @frozen
 class _Fault:
-    """The first fault of a document, of the value at ``place``. ``unknown``: its key is
-    undefined."""
+    """The first fault of a document, of the value at ``place``."""
 
     place: Place
     reason: str
-    unknown: bool
 
 
 def _fault(document: Any, schema: str | Path) -> _Fault | None:
@@ -91,11 +52,7 @@ def _fault(document: Any, schema: str | Path) -> _Fault | None:
             (parts for parts, value in _readings(document, name, ()) if value is error.value), ()
         )
         key, reason = _reason(error)
-        return _Fault(
-            place if key is None else (*place, key),
-            reason,
-            unknown=error.rule == "additionalProperties",
-        )
+        return _Fault(place if key is None else (*place, key), reason)
     return None
 
 

@@ -1,12 +1,10 @@
-"""Haptic scene JSON 1.1: reading and writing `HapticScene`; older versions are migrated, unknown
-keys of newer ones are ignored."""
+"""Haptic scene JSON 1.1: reading and writing `HapticScene`."""
 
 from __future__ import annotations
 
 import gzip
 import json
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import fields
 from pathlib import Path
@@ -19,7 +17,7 @@ from ..io.atomic import atomic_file
 from ..io.error import FormatError, errors_in
 from ..io.json_text import compact
 from ..io.scene_schema import SCENE
-from ..io.schema import validate, without_unknown_keys
+from ..io.schema import validate
 from ..io.strict_json import read_json
 from .values_json import (
     json_value,
@@ -45,62 +43,6 @@ CONVENTION = {
     "rotation": "quaternion w, x, y, z",
 }
 """Axes and units of every scene file."""
-
-_NEWER = re.compile(r"1\.[0-9]{1,4}")
-
-
-def _from_1_0(document: JsonObject) -> JsonObject:
-    """A 1.0 document as 1.1, with the same meaning: ``auto``, the default strategy of 1.0, is
-    ``as_in_the_paper`` in 1.1."""
-    settings = document.get("settings", {})
-    if isinstance(settings, dict) and settings.get("strategy", "auto") == "auto":
-        settings = {**settings, "strategy": "as_in_the_paper"}
-    return {**document, "version": "1.1", "settings": settings}
-
-
-_RETIRED = ("patch_points",)
-"""Rules of earlier versions that have no effect any more."""
-
-_FORMERLY = {
-    "contact_tolerance": "tolerance",
-    "impacts": "impacts",
-    "minimum_energy": "least_energy",
-    "maximum_energy": "full_energy",
-    "impact_energy": "energy",
-    "refractory_time": "refractory",
-}
-"""Rules by their former keys in ``extras.blender``, which only Blender read."""
-
-
-def _is_valid(rule: str, value: Any) -> bool:
-    """Whether a value from an extra can be that of a rule."""
-    default = getattr(ContactSettings(), rule)
-    if any(isinstance(value, kind) != isinstance(default, kind) for kind in (bool, str)):
-        return False
-    try:
-        ContactSettings(**{rule: value})
-    except (TypeError, ValueError):
-        return False
-    return isinstance(value, str) or abs(value) <= 1e9
-
-
-def _with_rules(document: JsonObject) -> JsonObject:
-    """A document with the valid ones of the rules that earlier versions wrote into its extras."""
-    extras = document.get("extras")
-    known = extras.get("blender") if isinstance(extras, dict) else None
-    if "rules" in document or not isinstance(extras, dict) or not isinstance(known, dict):
-        return document
-    rules = {
-        rule: known[key]
-        for key, rule in _FORMERLY.items()
-        if key in known and _is_valid(rule, known[key])
-    }
-    left = {key: value for key, value in known.items() if key not in _FORMERLY}
-    return {**document, "rules": rules, "extras": {**extras, "blender": left}}
-
-
-MIGRATIONS: dict[str, Callable[[JsonObject], JsonObject]] = {"1.0": _from_1_0}
-"""By version, the function that converts a document to a later version (it sets ``version``)."""
 
 
 def read_scene(path: str | Path) -> HapticScene:
@@ -128,7 +70,7 @@ def write_document(document: Form, path: str | Path) -> None:
 
 def scene_from_dict(document: Any, file: str | Path) -> HapticScene:
     """The scene of a parsed document; ``file`` names it in errors. Raises FormatError."""
-    return scene_of(current_document(document, file)[0], file)
+    return scene_of(valid_document(document, file), file)
 
 
 PROVENANCE = "provenance"
@@ -136,7 +78,7 @@ PROVENANCE = "provenance"
 
 
 def scene_of(document: Form, file: str | Path) -> HapticScene:
-    """The scene of a document from `current_document`, without the provenance among its extras:
+    """The scene of a document from `valid_document`, without the provenance among its extras:
     the next file has its own. Raises FormatError."""
     with errors_in(file):
         return HapticScene(
@@ -148,41 +90,22 @@ def scene_of(document: Form, file: str | Path) -> HapticScene:
             extras={
                 key: value for key, value in document.get("extras", {}).items() if key != PROVENANCE
             },
-            rules=read_rules(
-                {
-                    key: value
-                    for key, value in document.get("rules", {}).items()
-                    if key not in _RETIRED
-                },
-                ("rules",),
-            ),
+            rules=read_rules(document.get("rules", {}), ("rules",)),
         )
 
 
-def current_document(document: Any, file: str | Path) -> tuple[JsonObject, tuple[str, ...]]:
-    """The valid document in the current version, and the JSON pointers of keys of a newer version,
-    which are not read.
-
-    Raises FormatError for anything but a valid haptic scene of version 1.x.
-    """
+def valid_document(document: Any, file: str | Path) -> JsonObject:
+    """The document, if it is a valid haptic scene. Raises FormatError."""
     if not isinstance(document, dict):
         raise FormatError(file, "/", "not a haptic scene: the document must be an object")
     if document.get("format") != FORMAT:
         raise FormatError(file, "/format", f'not a haptic scene: must be "{FORMAT}"')
-    while isinstance(version := document.get("version"), str) and version in MIGRATIONS:
-        document = MIGRATIONS[version](document)
-    document = _with_rules(document)
+    version = document.get("version")
     if version != VERSION:
-        if not isinstance(version, str) or not _NEWER.fullmatch(version):
-            raise FormatError(
-                file,
-                "/version",
-                f'this reads version "{min(MIGRATIONS)}" to "{VERSION}", not '
-                f"{json.dumps(version)[:40]}",
-            )
-        return without_unknown_keys({**document, "version": VERSION}, SCENE, file)
+        found = json.dumps(version)[:40]
+        raise FormatError(file, "/version", f'this reads version "{VERSION}", not {found}')
     validate(document, SCENE, file)
-    return document, ()
+    return document
 
 
 def scene_to_dict(scene: HapticScene) -> JsonObject:

@@ -62,18 +62,11 @@ def _arguments(make: Callable[..., Any]) -> tuple[frozenset[str], frozenset[str]
     )
 
 
+read_object = partial(read_value, HapticObject)
 read_contact = partial(read_value, Contact)
 read_source = partial(read_value, Source)
 read_listener = partial(read_value, Listener)
 read_rules = partial(read_value, ContactSettings)
-
-
-def read_object(form: Form, place: Place) -> HapticObject:
-    """An object; version 1.0 wrote its material into its extras."""
-    extras = dict(form.get("extras", {}))
-    if "material" not in form and isinstance(extras.get("material"), str):
-        form = {**form, "material": extras.pop("material"), "extras": extras}
-    return read_value(HapticObject, form, place)
 
 
 def read_function(

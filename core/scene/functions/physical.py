@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ...arrays import FloatArray
-from ...declaration import choice, number, switch
+from ...declaration import choice, number
 from ...frozen import frozen
 from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
@@ -71,8 +71,8 @@ class Physical(ModulationFunction):
     the highest; the other bands follow the formula, unless none of them differs by half a decibel
     over ten metres of the material.
 
-    With ``from_patches``, waves begin at a contact as fronts that are as large as its patch, if
-    that is larger than r0 (`Spreading.cost`).
+    Waves begin at a contact as fronts that are as large as its patch, if that is larger than r0
+    (`Spreading.cost`).
 
     Lengths in metres. ``reference_distance``: r0, the radius of the driven area. ``extent``: the
     width of a body, of a half-space the distance of its edge (0: infinite). ``phase_speed`` in m/s,
@@ -167,12 +167,6 @@ class Physical(ModulationFunction):
         soft=(0.0, 300.0),
         unit="Hz",
     )
-    from_patches: bool = switch(
-        False,
-        "From Patches",
-        "At large contacts, spreading begins with the size of the patch instead of at a point, so "
-        "that cuts through a body hardly change anything. Off in files of earlier versions",
-    )
 
     def material_damping(self, frequency: float) -> float:
         """Attenuation alpha [1/m] at ``frequency`` [Hz] of the material itself, at ``K =
@@ -229,17 +223,16 @@ class Physical(ModulationFunction):
     def spreading_law(self) -> Law:
         start = self.reference_distance
         end = self.extent or math.inf
-        point = start if self.from_patches else math.inf
         match self.wave:
             case Wave.BOUNDED:
                 width = max(start, self.thickness)
                 over = max(end - start, 0.0)  # where it fills thickness and width
                 if self.thickness > start:
                     near = self.thickness - start
-                    return Law(1.0, start, near, width, max(over, near), point)
-                return Law(0.5, start, over, start + over, over, point)
+                    return Law(1.0, start, near, width, max(over, near), start)
+                return Law(0.5, start, over, start + over, over, start)
             case Wave.SURFACE:
-                return Law(0.5, start, end, start + end, end, point)
+                return Law(0.5, start, end, start + end, end, start)
         return NO_SPREADING
 
     def _relative_decays(self, kappa: float, rho: float) -> tuple[float, ...]:

@@ -53,12 +53,12 @@ _ONE = np.zeros(1, dtype=np.int64)
 class Spreading:
     """Spreading laws of n objects as arrays. ``of`` (n,): the number of each object's law, by
     default that of a single object. ``point`` (n,): the largest size [m] of patches that count as
-    points. ``from_patches``: whether any may be larger."""
+    points. ``has_fronts``: whether any may be larger."""
 
     def __init__(self, laws: Sequence[Law], of: IntArray = _ONE) -> None:
         self._laws = np.array([law[:5] for law in laws]).T.take(of, axis=1)
         self.point = np.array([law.point for law in laws]).take(of)
-        self.from_patches = bool((self.point < math.inf).any())
+        self.has_fronts = bool((self.point < math.inf).any())
         self._one_stage = bool((self._laws[4] <= self._laws[2]).all())
 
     @classmethod

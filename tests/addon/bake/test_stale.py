@@ -290,14 +290,6 @@ def test_what_deforms_and_drives_is_named(baked_with_deformers, change, words):
     assert words in _reasons(baked_with_deformers)
 
 
-def test_a_bake_of_an_earlier_version_does_not_change_by_being_opened(baked_with_deformers):
-    digest = digest_of(baked_with_deformers)
-    for aspects in digest["objects"].values():
-        del aspects["deformation"]
-    del digest["influences"]
-    assert changes(digest, digest_of(baked_with_deformers)) == ()
-
-
 def test_animated_settings_are_not_changes(shaken):
     for frame, value in ((1, 0.001), (20, 0.1)):
         shaken.haptics.threshold = value

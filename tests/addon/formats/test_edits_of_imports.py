@@ -18,7 +18,7 @@ KAPPA, RHO, ALPHA, AMPLITUDE, RADIUS, THRESHOLD = (
 )
 SCENE = {
     "format": "haptic-scene",
-    "version": "1.0",
+    "version": "1.1",
     "settings": {"mode": "HT", "strategy": "auto", "threshold": THRESHOLD},
     "objects": [
         {

@@ -212,7 +212,7 @@ def stack(tmp_path):
     half, tenth = ({"function": "constant", "gain": gain} for gain in (0.5, 0.1))
     document = {
         "format": "haptic-scene",
-        "version": "1.0",
+        "version": "1.1",
         "objects": [
             {"name": "floor", "kappa": 0, "rho": 1, "propagation": {"function": "identity"},
              "shape": {"type": "box", "size": [10, 10, 1]}, "pose": {"position": [0, 0, -0.5]}},

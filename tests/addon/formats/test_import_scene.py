@@ -432,7 +432,7 @@ def test_a_file_from_elsewhere_without_shapes(tmp_path, traced):
     """Contacts alone say where objects are: boxes stand there, and everything is reached."""
     document = {
         "format": "haptic-scene",
-        "version": "1.0",
+        "version": "1.1",
         "objects": [
             {"name": "ground", "kappa": 0.2, "rho": 0.9},
             {"name": "bench", "kappa": 0.1, "rho": 0.8},
@@ -451,7 +451,7 @@ def test_a_file_from_elsewhere_without_shapes(tmp_path, traced):
     [
         ("[]", "not a haptic scene"),
         (
-            '{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 2, '
+            '{"format": "haptic-scene", "version": "1.1", "objects": [{"name": "a", "kappa": 2, '
             '"rho": 1}]}',
             "/objects/0/kappa: must be",
         ),
@@ -470,7 +470,7 @@ def test_an_import_that_fails_on_the_way_leaves_nothing(tmp_path, monkeypatch):
     from haptic_tracing.addon.io import scene_builder
 
     (tmp_path / "a.json").write_text(
-        '{"format": "haptic-scene", "version": "1.0", "objects": [{"name": "a", "kappa": 0, '
+        '{"format": "haptic-scene", "version": "1.1", "objects": [{"name": "a", "kappa": 0, '
         '"rho": 1}]}'
     )
 
@@ -488,7 +488,7 @@ def test_a_number_too_small_for_blender_counts_until_its_property_is_edited(tmp_
     shape = {"type": "box", "size": [1, 1, 1]}
     form = {"name": "a", "kappa": 0, "rho": 1, "propagation": tiny, "shape": shape}
     (tmp_path / "a.json").write_text(
-        json.dumps({"format": "haptic-scene", "version": "1.0", "objects": [form]})
+        json.dumps({"format": "haptic-scene", "version": "1.1", "objects": [form]})
     )
     assert bpy.ops.import_scene.haptic_scene(filepath=str(tmp_path / "a.json")) == {"FINISHED"}
     assert "as the file has it" not in capfd.readouterr().out

@@ -35,7 +35,7 @@ def scene_file(tmp_path):
         path = tmp_path / "scene.json"
         empty = {"contacts": [], "sources": [], "listeners": []}
         path.write_text(
-            json.dumps({"format": "haptic-scene", "version": "1.0", "objects": objects, **empty})
+            json.dumps({"format": "haptic-scene", "version": "1.1", "objects": objects, **empty})
         )
         return path
 

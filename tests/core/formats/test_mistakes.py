@@ -314,18 +314,14 @@ MISTAKES: dict[str, Mistake] = {
     "rules misspelt": Mistake(
         ("rules", "tolerance"),
         Renamed("tolerence"),
-        "/rules/tolerence: unknown key, did you mean 'tolerance'?; known are patch_points, tolerance, slack, impacts, templates, least_energy, full_energy, energy, refractory, gravity, time_scale, passing, impact_table, transmission_table, textures",
+        "/rules/tolerence: unknown key, did you mean 'tolerance'?; known are tolerance, slack, impacts, templates, least_energy, full_energy, energy, refractory, gravity, time_scale, passing, impact_table, transmission_table, textures",
     ),
     "another format": Mistake(
         ("format",), "gltf", '/format: not a haptic scene: must be "haptic-scene"'
     ),
     "no format": Mistake(("format",), GONE, '/format: not a haptic scene: must be "haptic-scene"'),
-    "newer version": Mistake(
-        ("version",), "9.0", '/version: this reads version "1.0" to "1.1", not "9.0"'
-    ),
-    "version as number": Mistake(
-        ("version",), 1.1, '/version: this reads version "1.0" to "1.1", not 1.1'
-    ),
+    "newer version": Mistake(("version",), "9.0", '/version: this reads version "1.1", not "9.0"'),
+    "version as number": Mistake(("version",), 1.1, '/version: this reads version "1.1", not 1.1'),
     "frames out of order": Mistake(
         ("frames", 0, "frame"), 5, "/frames/1/frame: must come after 5, the frame before"
     ),

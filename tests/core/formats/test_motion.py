@@ -165,7 +165,7 @@ BOMB = base64.b64encode(zlib.compress(bytes(50_000_000))).decode()
 def test_what_is_wrong_is_named_with_its_place(tmp_path, motions, expected):
     document = {
         "format": "haptic-scene",
-        "version": "1.0",
+        "version": "1.1",
         "objects": [{"name": "a", "kappa": 0, "rho": 1}],
         "frame_rate": 24,
         "motions": motions,
@@ -181,7 +181,7 @@ def test_what_is_wrong_is_named_with_its_place(tmp_path, motions, expected):
 def test_a_pose_for_a_frame_stands_in_one_place(tmp_path):
     document = {
         "format": "haptic-scene",
-        "version": "1.0",
+        "version": "1.1",
         "objects": [{"name": "a", "kappa": 0, "rho": 1}],
         "frame_rate": 24,
         "motions": [GOOD],

@@ -202,7 +202,7 @@ def test_what_is_no_json_document_says_so(tmp_path, suffix, data, reason):
 def test_brackets_in_strings_are_text(tmp_path):
     document = {
         "format": "haptic-scene",
-        "version": "1.0",
+        "version": "1.1",
         "objects": [{"name": '\\"[[' + "[{" * 110 + "\\", "kappa": 0, "rho": 1}],
     }
     (tmp_path / "odd.json").write_text(json.dumps(document))

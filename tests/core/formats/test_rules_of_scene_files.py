@@ -7,7 +7,7 @@ from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.scene.recording import traced
-from haptic_tracing.core.scene.rules import ContactSettings, ImpactEnergy, ImpactTemplates
+from haptic_tracing.core.scene.rules import ContactSettings, ImpactTemplates
 from haptic_tracing.core.signals import impact_template
 
 CUBE = {"type": "box", "size": [1, 1, 1]}
@@ -100,30 +100,6 @@ def test_contacts_of_a_scene_at_rest_follow_its_tolerance(tmp_path):
         assert len(contacts_of_scene(scene, 0.05)) == 1
 
 
-@pytest.mark.parametrize("version", ["1.0", "1.1"])
-def test_rules_that_only_blender_read_are_rules_now(tmp_path, version):
-    known = {
-        "minimum_energy": 1000,
-        "maximum_energy": 3000.0,
-        "impact_energy": "normal",
-        "impacts": True,
-        "refractory_time": -1,
-        "frame": 3,
-    }
-    path = scene_file(tmp_path / "old.json", version, extras={"blender": known, "note": "mine"})
-    export = read_export(path)
-    assert export.scene.rules == ContactSettings(
-        least_energy=1000, full_energy=3000.0, energy=ImpactEnergy.NORMAL
-    )
-    assert impacts(path) == []
-    write_export(export, tmp_path / "new.json")
-    document = json.loads((tmp_path / "new.json").read_text())
-    assert document["version"] == "1.1" and document["rules"]["least_energy"] == 1000
-    assert document["extras"].pop("provenance")["program"] == "Haptic Tracing"
-    assert document["extras"] == {"blender": {"frame": 3}, "note": "mine"}
-    assert read_export(tmp_path / "new.json").scene == export.scene
-
-
 def test_without_rules_the_defaults_count(tmp_path):
     assert read_export(scene_file(tmp_path / "a.json")).scene.rules == ContactSettings(
         templates=ImpactTemplates.PLAIN
@@ -198,15 +174,6 @@ def test_tables_are_written_as_they_were_read(tmp_path):
     ]
     assert [item.get("material") for item in document["objects"]] == ["Wood", "Iron"]
     assert read_export(tmp_path / "b.json").scene == export.scene
-
-
-def test_materials_that_stood_among_the_extras_are_read(tmp_path):
-    objects = [
-        {**item, "extras": {"material": "Wood", "note": 1}}
-        for item in json.loads(scene_file(tmp_path / "a.json").read_text())["objects"]
-    ]
-    floor, _ = read_export(scene_file(tmp_path / "a.json", objects=objects)).scene.objects
-    assert (floor.material, floor.extras) == ("Wood", {"note": 1})
 
 
 @pytest.mark.parametrize(

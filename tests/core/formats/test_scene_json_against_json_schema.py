@@ -23,12 +23,10 @@ from haptic_tracing.core.contacts.shapes import (
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.io.schema import load_schema, validate
 from haptic_tracing.core.formats.scene.scene_json import (
-    MIGRATIONS,
-    current_document,
     read_scene,
     scene_from_dict,
-    scene_of,
     scene_to_dict,
+    valid_document,
     write_scene,
 )
 from haptic_tracing.core.scene.functions import (
@@ -314,111 +312,10 @@ def test_writing_and_reading_gives_the_same_scene_and_again_the_same_bytes(tmp_p
     assert sorted(path.name for path in folder.iterdir()) == ["a.json", "b.json.gz"]
 
 
-def test_automatic_strategies_keep_their_meaning(tmp_path):
-    """In 1.0 ``auto``, the default, is all paths for persistent sources and the best path for
-    temporary ones; in 1.1 the best path."""
-    bare = {
-        "format": "haptic-scene",
-        "version": "1.0",
-        "objects": [{"name": "a", "kappa": 0, "rho": 1}],
-    }
-    for form in (bare, {**bare, "settings": {}}, {**bare, "settings": {"strategy": "auto"}}):
-        read = scene_from_dict(form, "scene.json").settings
-        assert read == Settings(strategy=Strategy.AS_IN_THE_PAPER)
-        assert (
-            scene_to_dict(HapticScene(settings=read))["settings"]["strategy"] == "as_in_the_paper"
-        )
-    write_scene(
-        HapticScene(settings=Settings(strategy=Strategy.AUTO, max_connections=7)),
-        tmp_path / "scene.json",
-    )
-    read = read_scene(tmp_path / "scene.json").settings
-    assert (read.strategy, read.max_connections) == (Strategy.AUTO, 7)
-
-
-def test_older_versions_are_migrated_step_by_step(tmp_path, monkeypatch):
-    """As the next versions will have it: a version says how to become a later one, and what none
-    can read says which it can."""
-
-    def from_half(document):
-        return {
-            **document,
-            "version": "0.9",
-            "objects": [{"kappa": 0.1, **form} for form in document["objects"]],
-        }
-
-    def from_nine(document):
-        objects = [
-            {"name": form["name"], "kappa": form["kappa"], "rho": 1 - form["loss"]}
-            for form in document["objects"]
-        ]
-        return {**document, "version": "1.0", "objects": objects}
-
-    monkeypatch.setitem(MIGRATIONS, "0.5", from_half)
-    monkeypatch.setitem(MIGRATIONS, "0.9", from_nine)
-    path = tmp_path / "old.json"
-    path.write_text(
-        json.dumps(
-            {"format": "haptic-scene", "version": "0.5", "objects": [{"name": "a", "loss": 0.25}]}
-        )
-    )
-    assert read_scene(path).objects == (HapticObject("a", 0.1, 0.75),)
-    path.write_text(json.dumps({"format": "haptic-scene", "version": "0.1", "objects": []}))
-    with pytest.raises(
-        FormatError, match=r'/version: this reads version "0.5" to "1.1", not "0.1"'
-    ):
-        read_scene(path)
-
-
-def newer(document):
-    """As a later version may write it: with keys that nobody knows yet."""
-    document = {**document, "version": "1.7", "weather": {"rain": 1}}
-    document["objects"] = [{**form, "colour": [1, 0, 0]} for form in document["objects"]]
-    document["settings"] = {**document.get("settings", {}), "quantum": True}
-    return document
-
-
-@pytest.mark.slow
-@settings(
-    max_examples=50, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
-)
-@given(scenes())
-def test_a_newer_version_is_read_as_far_as_it_is_known(scene):
-    document = scene_to_dict(scene)
-    read, unknown = current_document(newer(document), "a.json")
-    assert scene_of(read, "a.json") == scene
-    assert set(unknown) == {"/weather", "/settings/quantum"} | (
-        {"/objects/*/colour"} if scene.objects else set()
-    )
-
-
-@pytest.mark.parametrize("version", ["2.0", "1.x", "1", 1.2, None, "", "1.0.1", ["1.1"]])
+@pytest.mark.parametrize("version", ["1.0", "1.2", "2.0", "1", 1.1, None, "", ["1.1"]])
 def test_other_versions_are_refused(version):
-    with pytest.raises(FormatError, match=r'/version: this reads version "1\.0" to "1\.1", not '):
-        current_document({"format": "haptic-scene", "version": version, "objects": []}, "a.json")
-
-
-def test_a_newer_version_has_no_other_faults():
-    with pytest.raises(FormatError, match="/objects/0/kappa: must be at most 1, got 2"):
-        current_document(
-            newer({"format": "haptic-scene", "objects": [{"name": "a", "kappa": 2, "rho": 1}]}),
-            "a.json",
-        )
-    many = {f"key{k}": k for k in range(1000)}
-    with pytest.raises(FormatError, match="unknown key"):
-        current_document(newer({"format": "haptic-scene", "objects": [], **many}), "a.json")
-
-
-def test_a_1_0_file_means_what_it_meant():
-    old = {
-        "format": "haptic-scene",
-        "version": "1.0",
-        "objects": [{"name": "a", "kappa": 0.25, "rho": 0.5}],
-        "settings": {"mode": "MD"},
-    }
-    scene = scene_from_dict(old, "a.json")
-    assert scene.objects == (HapticObject("a", 0.25, 0.5),) and scene.settings.mode == "MD"
-    assert scene_to_dict(scene)["version"] == "1.1"
+    with pytest.raises(FormatError, match=r'/version: this reads version "1\.1", not '):
+        valid_document({"format": "haptic-scene", "version": version, "objects": []}, "a.json")
 
 
 ODD_SHAPES = [{"function": "linear"}, {"type": "box"}, {"pose": {}}]

@@ -70,17 +70,9 @@ def test_the_examples_are_valid():
             validator.validate(example)
 
 
-def test_a_choice_of_earlier_versions_has_no_effect():
-    (document,) = SCHEMA["examples"]
-    for value in (False, True):
-        assert scene_from_dict(
-            {**document, "rules": {"patch_points": value}}, "old"
-        ) == scene_from_dict(document, "example")
-
-
 def test_choices_are_those_of_the_core():
     rules, item = SCHEMA["$defs"]["rules"]["properties"], SCHEMA["$defs"]["object"]["properties"]
-    assert set(rules) == {*ContactSettings.__dataclass_fields__, "patch_points"}
+    assert set(rules) == set(ContactSettings.__dataclass_fields__)
     assert rules["energy"]["enum"] == list(ImpactEnergy) and set(rules["templates"]["enum"]) == set(
         ImpactTemplates
     )

@@ -3,7 +3,6 @@ end."""
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
 
@@ -34,13 +33,12 @@ def level(
     size: tuple[float, float, float],
     pieces: int,
     joined: float = 1.0,
-    from_patches: bool = True,
 ) -> float:
     """Level [dB] at the far end of a body that is cut across its first size into pieces, which
     touch over this part of their faces."""
     material, length = MATERIALS[name], size[0] / pieces
     own = (length, *size[1:])
-    function = dataclasses.replace(physical(name, own), from_patches=from_patches)
+    function = physical(name, own)
     objects = tuple(
         HapticObject(
             f"piece {k:02d}",
@@ -115,7 +113,7 @@ def test_a_joint_over_a_part_of_the_width_loses_that_part(joined):
 def test_a_plate_of_four_metres_in_strips_joined_at_points(pieces, thickness):
     size = (4.0, 4.0, thickness)
     whole = level("concrete", size, 1)
-    assert abs(level("concrete", size, pieces, from_patches=False) - whole) < 4
+    assert abs(level("concrete", size, pieces, joined=0.0) - whole) < 4
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -128,7 +126,7 @@ def test_pieces_joined_at_points_begin_to_spread_again_once_in_each(
     c, b, _ = sorted((length / pieces, width, thickness))
     most = 20 * math.log10(max(c, R0) / R0) + 10 * math.log10(max(b, c, R0) / max(c, R0))
     found, steel = (
-        level("steel", (length, width, thickness), pieces, from_patches=False),
+        level("steel", (length, width, thickness), pieces, joined=0.0),
         physical("steel", (length / pieces, width, thickness)),
     )
     assert found >= -pieces * most - 8.7 * steel.material_damping(30.0) * length - 1e-9

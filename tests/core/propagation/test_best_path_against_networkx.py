@@ -135,7 +135,7 @@ def test_equals_dijkstra_on_the_explicit_graph(scene):
 def test_a_wide_floor_of_slabs():
     """Joined over parts of their edges; too many contacts for single connections."""
     side, random = 14, Random(5)
-    slab = Physical(wave=Wave.BOUNDED, thickness=0.2, extent=3.0, from_patches=True)
+    slab = Physical(wave=Wave.BOUNDED, thickness=0.2, extent=3.0)
     objects = {
         (i, j): HapticObject(f"{i:02d} {j:02d}", 0.1, 0.9, slab, Box((3, 3, 0.2)))
         for i in range(side)

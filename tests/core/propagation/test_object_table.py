@@ -24,7 +24,6 @@ PHYSICAL = st.builds(
     reference_distance=st.floats(0.01, 2),
     extent=st.sampled_from([0.0, 0.3, 5.0]),
     thickness=st.floats(0.01, 3),
-    from_patches=st.booleans(),
 )
 SIZES = st.one_of(st.just(0.0), st.floats(0, 20))
 
@@ -97,7 +96,7 @@ def test_energy_between_patches_goes_as_the_area_of_the_front(thickness, width, 
     mean of the areas of both patches, by that of the largest front on the way."""
     r = 0.5
     thickness, width = sorted((thickness, width))
-    function = Physical(wave=Wave.BOUNDED, thickness=thickness, extent=width, from_patches=True)
+    function = Physical(wave=Wave.BOUNDED, thickness=thickness, extent=width)
     law = Spreading([function.spreading_law()])
 
     def area(s: float) -> float:

@@ -36,7 +36,6 @@ GROUNDS = (
         reference_distance=0.1,
         thickness=0.4,
         extent=3.0,
-        from_patches=True,
         loss_factor=0.2,
     ),
 )

@@ -62,7 +62,7 @@ def physical_gain(
         deep = function.wave is Wave.BOUNDED and thickness > radius
         return size * min(size, thickness) if deep else size
 
-    ends = [max(radius, size) if function.from_patches else radius for size in sizes]
+    ends = [max(radius, size) for size in sizes]
     largest = max(*ends, min(distance + sum(ends) / 2, filled))
     spread = mpmath.sqrt(area(ends[0]) * area(ends[1])) / area(largest)
     return mpmath.exp(-damping * distance) * mpmath.sqrt(spread)

@@ -63,16 +63,13 @@ def test_it_is_continuous_in_the_normal(one, other):
     assert np.abs(np.diff(sizes)).max() < 0.03
 
 
-@pytest.mark.parametrize("from_patches", [False, True])
 @pytest.mark.parametrize(("area", "large"), [(0.0, False), (0.24, False), (0.26, True)])
-def test_patches_up_to_the_driven_radius_and_those_of_other_functions_are_points(
-    from_patches, area, large
-):
-    function = Physical(wave=Wave.BOUNDED, thickness=0.6, extent=2.0, from_patches=from_patches)
+def test_patches_up_to_the_driven_radius_and_those_of_other_functions_are_points(area, large):
+    function = Physical(wave=Wave.BOUNDED, thickness=0.6, extent=2.0)
     objects = (HapticObject("a", 0.1, 0.9, function), HapticObject("b", 0.1, 0.9))
     place = (0.0, 0.0, 0.0)
     graph = graph_of_scene(HapticScene(objects, (Contact(("a", "b"), (place, place), area=area),)))
-    if not (from_patches and large):
+    if not large:
         assert graph.fronts is None
     else:
         assert graph.fronts[:, 0] == pytest.approx(

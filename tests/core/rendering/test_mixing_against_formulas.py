@@ -256,7 +256,7 @@ def test_a_listener_with_a_wrong_formula_is_refused() -> None:
             Listener("hand", "box", mixing="custom", mixing_expression=formula)
     form = {
         "format": "haptic-scene",
-        "version": "1.0",
+        "version": "1.1",
         "objects": [{"name": "box", "kappa": 0, "rho": 1}],
     }
     form["listeners"] = [
