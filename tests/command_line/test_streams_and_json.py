@@ -252,7 +252,6 @@ def test_bash_accepts_its_completion(tmp_path, capsys):
     assert done.stdout.split() == ["propagate"]
 
 
-
 def test_the_manual_is_that_of_the_arguments():
     specification = importlib.util.spec_from_file_location(
         "write_command_pages", ROOT / "docs" / "write_command_pages.py"

@@ -213,6 +213,7 @@ def stack(tmp_path):
     document = {
         "format": "haptic-scene",
         "version": "1.1",
+        "settings": {"strategy": "as_in_the_paper"},
         "objects": [
             {"name": "floor", "kappa": 0, "rho": 1, "propagation": {"function": "identity"},
              "shape": {"type": "box", "size": [10, 10, 1]}, "pose": {"position": [0, 0, -0.5]}},
