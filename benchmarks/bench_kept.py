@@ -18,9 +18,9 @@ import numpy as np
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io.catalogue import named
-from haptic_tracing.core.formats.tracks.comparison import Comparison, Kind, Measures
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.signals import DEFAULT_IMPACT, Pulse
+from haptic_tracing.plugins.keyframes.comparison import Comparison, Kind, Measures
 
 from .bench_formats import BLOCK, similarity
 from .report import publish, table

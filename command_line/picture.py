@@ -13,7 +13,7 @@ import numpy as np
 from ..core.arrays import FloatArray
 from ..core.formats import registry
 from ..core.formats.io.catalogue import named, readers
-from ..core.formats.tracks.comparison import ListenerFidelity
+from ..core.formats.tracks.fidelity import ListenerFidelity
 from ..core.formats.tracks.listener_tracks import Tracks
 
 COLUMNS = 1500

@@ -356,7 +356,7 @@ def track_writer(
             question = ui_text(
                 "The new files keep little of the vibration. Replace {}?", shown(poor.files)
             )
-            return running.ask((question, *registry.sentences(poor.fidelity)))
+            return running.ask((question, *(poor.fidelity.sentences() if poor.fidelity else ())))
 
         done = registry.write(name, export, folder, options, consent, running.progress)
         if done.files:

@@ -23,7 +23,8 @@ from .scene.scene_json import (
 from .scene.tracks_json import tracks_from_dict, tracks_to_dict
 from .scene.values_json import item_to_dict
 from .tracks import wav
-from .tracks.comparison import Comparison, Kind, Measures
+from .tracks.fidelity import Progress, SampleComparison
+from .tracks.listener_tracks import Tracks
 from .tracks.track_export import credit, scene_file
 
 SUFFIX = SCENE.suffix
@@ -46,13 +47,13 @@ def loss(export: Export, options: Form) -> Iterator[str]:
         yield f"{wav.ROUNDING} in the tracks"
 
 
-def measures(options: Form) -> Measures | None:
-    """How the tracks in the file can be compared with the rendered ones; None without any."""
-    return None if options["tracks"] == "none" else Measures(Kind.SAMPLES)
+def comparison(tracks: Tracks, options: Form, progress: Progress) -> SampleComparison | None:
+    """What compares the tracks in the file with the rendered ones; None without any."""
+    return None if options["tracks"] == "none" else SampleComparison(tracks, progress)
 
 
 def write(
-    export: Export, folder: Path, options: Form, measured: Comparison | None = None
+    export: Export, folder: Path, options: Form, measured: SampleComparison | None = None
 ) -> list[Path]:
     """Write ``<scene>.json`` or ``.json.gz``, and ``<scene>.tracks.wav`` if asked to."""
     if export.tracks is not None and measured is not None:

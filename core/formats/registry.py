@@ -1,8 +1,8 @@
 """Writes and reads all formats by name.
 
 A format is a `Format` of `io.catalogue` and a module with ``write(export, folder, options,
-measured)``, ``loss(export, options)`` and ``measures(options)``; one that can be imported also has
-``read(path)``.
+measured)``, ``loss(export, options)`` and ``comparison(tracks, options, progress)``; one that can
+be imported also has ``read(path)``.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from .export import Export
 from .io.atomic import staging
 from .io.catalogue import Format, Value, complete, named, readers
 from .io.error import FormatError
-from .tracks.comparison import Comparison, Fidelity
-from .tracks.comparison import sentences as sentences
+from .tracks.fidelity import Fidelity, Progress
 from .tracks.vibration_file import VibrationFile
 
 
@@ -57,7 +56,7 @@ def write(
     folder: str | Path,
     chosen: Mapping[str, Value] = MappingProxyType({}),
     consent: Consent | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = None,
 ) -> Written:
     """Write an export into an existing folder, and measure the losses of the files.
 
@@ -79,17 +78,13 @@ def write(
     values = complete(form.options, chosen)
     lost = tuple(module.loss(export, values))
     with staging(Path(folder)) as place:
-        measures = module.measures(values)
         has_tracks = export.tracks is not None and len(export.tracks.listeners) > 0
-        measured = (
-            Comparison(export.need_tracks(), measures, progress)
-            if has_tracks and measures
-            else None
-        )
+        measured = module.comparison(export.tracks, values, progress) if has_tracks else None
         files = module.write(export, place.folder, values, measured)
-        fidelity = None if measured is None else measured.result()
+        fidelity: Fidelity | None = None if measured is None else measured.result()
+        told = () if fidelity is None else fidelity.sentences()
         targets = place.targets(files)
-        written = Written(tuple(targets), (*lost, *sentences(fidelity)), fidelity)
+        written = Written(tuple(targets), (*lost, *told), fidelity)
         if (
             consent
             and fidelity

@@ -28,16 +28,18 @@ from ...core.formats.io.error import FormatError, errors_in
 from ...core.formats.io.json_text import json_points, write_compact
 from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.strict_json import parse_json, read_bytes, without_trailing_commas
-from ...core.formats.tracks.carrier import Carrier, compare_carriers
-from ...core.formats.tracks.comparison import Comparison, Kind, Measures
-from ...core.formats.tracks.envelopes import WithoutBursts, bursts_of, vibration_envelope
-from ...core.formats.tracks.listener_tracks import ListenerTrack
+from ...core.formats.tracks.fidelity import Progress
+from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
-from ...core.formats.tracks.vibration_file import Channel, VibrationFile
+from ...core.formats.tracks.vibration_file import VibrationFile
 from ...core.forms import Form, JsonObject
 from ...core.scene.references import Place, PlacedError
 from ...core.signals.drawn import EMPHASIS_SECONDS, HIGHEST, LOWEST
 from ...core.signals.keys import needed_keys
+from ..keyframes.carrier import Carrier, compare_carriers
+from ..keyframes.channel import KeyframedChannel
+from ..keyframes.comparison import Comparison, Kind, Measures
+from ..keyframes.envelopes import WithoutBursts, bursts_of, vibration_envelope
 
 TRANSIENTS_SUFFIX = ".transients.ahap"
 
@@ -70,9 +72,9 @@ def loss(export: TrackExport, options: Form) -> Iterator[str]:
     )
 
 
-def measures(options: Form) -> Measures:
-    """How the files can be compared with the tracks."""
-    return Measures(Kind.SPECTRUM, LOWEST, HIGHEST)
+def comparison(tracks: Tracks, options: Form, progress: Progress) -> Comparison:
+    """What compares the files with the tracks."""
+    return Comparison(tracks, Measures(Kind.SPECTRUM, LOWEST, HIGHEST), progress)
 
 
 def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
@@ -225,7 +227,7 @@ def read(path: Path) -> VibrationFile:
 
     carriers = without_damaged(document, (("Pattern", "*"),), losses, read_pattern)
     end = max((carrier.end for carrier in carriers), default=0.0)
-    return VibrationFile((Channel(path.stem, end, carriers),), tuple(losses))
+    return VibrationFile((KeyframedChannel(path.stem, end, carriers=carriers),), tuple(losses))
 
 
 def carriers_of(

@@ -19,15 +19,17 @@ from ...core.formats.io.json_text import write_compact
 from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
-from ...core.formats.tracks.carrier import Carrier
-from ...core.formats.tracks.comparison import Comparison, Kind, Measures
-from ...core.formats.tracks.envelopes import compare_steps, vibration_envelope
+from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import Tracks
 from ...core.formats.tracks.track_export import TrackExport, body_part_of, common_losses, credit
-from ...core.formats.tracks.vibration_file import Channel, VibrationFile
+from ...core.formats.tracks.vibration_file import VibrationFile
 from ...core.forms import Form, JsonObject
 from ...core.scene.bhaptics import DEVICES, region
 from ...core.scene.body import BODY_PARTS
+from ..keyframes.carrier import Carrier
+from ..keyframes.channel import KeyframedChannel
+from ..keyframes.comparison import Comparison, Kind, Measures
+from ..keyframes.envelopes import compare_steps, vibration_envelope
 
 INTERVAL = 20
 """Step of strengths (milliseconds)."""
@@ -108,9 +110,9 @@ def loss(export: TrackExport, options: Form) -> Iterator[str]:
         yield f"listeners where no device is worn: {', '.join(absent)}"
 
 
-def measures(options: Form) -> Measures:
-    """How the files can be compared with the tracks."""
-    return Measures(Kind.LEVEL)
+def comparison(tracks: Tracks, options: Form, progress: Progress) -> Comparison:
+    """What compares the files with the tracks."""
+    return Comparison(tracks, Measures(Kind.LEVEL), progress)
 
 
 def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
@@ -244,7 +246,7 @@ def read(path: Path) -> VibrationFile:
         raise FormatError(path, "/project/tracks", f"longer than {LONGEST // 1000} seconds")
     budget = Budget(path, is_json=True)
     steps = 0
-    channels: list[Channel] = []
+    channels: list[KeyframedChannel] = []
     for position in dict.fromkeys(position for effect in effects for position in effect["modes"]):
         if position not in _LAYOUTS:
             losses[f"the position {position} is not known"] = None
@@ -403,7 +405,7 @@ def _weights(places: Sequence[tuple[float, float]], x: FloatArray, y: FloatArray
     return np.where(own > 0, own + MORE * np.maximum(products, 0.0) / others, 0.0)
 
 
-def _channels(position: str, table: FloatArray, duration: float) -> Iterator[Channel]:
+def _channels(position: str, table: FloatArray, duration: float) -> Iterator[KeyframedChannel]:
     """The vibrations of the body parts at a position, from the strengths of its motors (motors,
     steps)."""
     for part in BODY_PARTS:
@@ -418,4 +420,4 @@ def _channels(position: str, table: FloatArray, duration: float) -> Iterator[Cha
             values = np.column_stack([levels[changed - 1], levels[changed]]).ravel()
             keys = np.concatenate([[0.0], times]), np.concatenate([levels[:1], values])
             carrier = Carrier(0.0, duration, 0.0, *keys, np.zeros(1), np.full(1, FREQUENCY))
-            yield Channel(part.name, duration, (carrier,), body_part=part.name)
+            yield KeyframedChannel(part.name, duration, body_part=part.name, carriers=(carrier,))

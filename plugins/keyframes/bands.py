@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...core.formats.tracks.analytic import Band
 from ...core.formats.tracks.listener_tracks import Row
+from .analytic import Band
 
 GRID_RATES = (62.5, 125.0, 250.0, 500.0, 1000.0, 2000.0)
 """Rates (hertz) of the grids of key times; the periods are multiples of 0.5 ms."""

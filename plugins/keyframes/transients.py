@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
-from ...core.formats.tracks.carrier import Carrier
 from ...core.formats.tracks.listener_tracks import Row
+from .carrier import Carrier
 
 TRANSIENT_SECONDS = 0.022
 TRANSIENT_CYCLES = 2

@@ -23,20 +23,22 @@ from ...core.formats.io.json_text import json_points, write_compact, write_json
 from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
-from ...core.formats.tracks.carrier import Carrier, compare_carriers
-from ...core.formats.tracks.comparison import Comparison, Kind, Measures
-from ...core.formats.tracks.envelopes import (
+from ...core.formats.tracks.fidelity import Progress
+from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
+from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
+from ...core.formats.tracks.vibration_file import VibrationFile
+from ...core.forms import Form, JsonObject
+from ..keyframes.carrier import Carrier, compare_carriers
+from ..keyframes.channel import KeyframedChannel
+from ..keyframes.comparison import Comparison, Kind, Measures
+from ..keyframes.envelopes import (
     Burst,
     WithoutBursts,
     bursts_of,
     single_carrier,
     thinned_carrier,
 )
-from ...core.formats.tracks.fitting import Fit
-from ...core.formats.tracks.listener_tracks import ListenerTrack
-from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
-from ...core.formats.tracks.vibration_file import Channel, VibrationFile
-from ...core.forms import Form, JsonObject
+from ..keyframes.fitting import Fit
 
 SLIGHT = 0.05
 """Amount by which amplitudes may exceed their range to be clipped instead of refused."""
@@ -60,9 +62,13 @@ def loss(export: TrackExport, options: Form) -> Iterator[str]:
     yield "the strength of players: amplitude and frequency are shares of what an actuator can do"
 
 
-def measures(options: Form) -> Measures:
-    """How the files can be compared with the tracks."""
-    return Measures(Kind.SPECTRUM if options["points"] else Kind.WAVE, *_range(options))
+def comparison(tracks: Tracks, options: Form, progress: Progress) -> Comparison:
+    """What compares the files with the tracks."""
+    return Comparison(
+        tracks,
+        Measures(Kind.SPECTRUM if options["points"] else Kind.WAVE, *_range(options)),
+        progress,
+    )
 
 
 def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
@@ -215,10 +221,10 @@ def read(path: Path) -> VibrationFile:
     name = metadata.get("description") if isinstance(metadata, dict) else None
     return VibrationFile(
         (
-            Channel(
+            KeyframedChannel(
                 name if name and isinstance(name, str) else path.stem,
                 max(carrier.end for carrier in carriers),
-                carriers,
+                carriers=carriers,
             ),
         ),
         tuple(losses),

@@ -16,9 +16,7 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.formats.io.atomic import write_text
 from ...core.formats.io.json_text import compact
-from ...core.formats.tracks.carrier import Carrier, CarrierPlayer
-from ...core.formats.tracks.comparison import Comparison, Kind, Measures
-from ...core.formats.tracks.fitting import Fit, fit_bands
+from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Row, Tracks
 from ...core.formats.tracks.track_export import (
     TrackExport,
@@ -29,6 +27,9 @@ from ...core.formats.tracks.track_export import (
 )
 from ...core.forms import Form, JsonObject
 from ..keyframes.bands import bands_for
+from ..keyframes.carrier import Carrier, CarrierPlayer
+from ..keyframes.comparison import Comparison, Kind, Measures
+from ..keyframes.fitting import Fit, fit_bands
 from ..keyframes.transients import (
     TRANSIENT_CYCLES,
     TRANSIENT_SECONDS,
@@ -64,9 +65,9 @@ def loss(export: TrackExport, options: Form) -> tuple[str, ...]:
     )
 
 
-def measures(options: Form) -> Measures:
-    """How the file can be compared with the tracks."""
-    return Measures(Kind.WAVE, EDGES[0], EDGES[-1])
+def comparison(tracks: Tracks, options: Form, progress: Progress) -> Comparison:
+    """What compares the files with the tracks."""
+    return Comparison(tracks, Measures(Kind.WAVE, EDGES[0], EDGES[-1]), progress)
 
 
 def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:

@@ -17,10 +17,11 @@ from ...core.formats.io.error import FormatError
 from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
-from ...core.formats.tracks.carrier import Carrier
 from ...core.formats.tracks.vibration_file import Channel, VibrationFile
 from ...core.forms import Form
 from ...core.scene.body import BODY_PARTS
+from ..keyframes.carrier import Carrier
+from ..keyframes.channel import KeyframedChannel
 from ..keyframes.transients import transient_carrier
 from .wavelet import WaveletBand
 
@@ -106,10 +107,15 @@ class _ChannelReader:
         samples, rate = (
             WaveletBand.summed(wavelets, partial(self.budget.take, pointer=place))
             if wavelets
-            else (None, 0.0)
+            else (np.zeros(0), 0.0)
         )
-        return Channel(
-            form["description"], duration, tuple(carriers), samples, rate, _body_part(form)
+        return KeyframedChannel(
+            form["description"],
+            duration,
+            samples,
+            rate,
+            _body_part(form),
+            carriers=tuple(carriers),
         )
 
     def _effects(self, band: Form, place: str) -> Iterator[Form]:

@@ -16,14 +16,16 @@ from ...core.formats.io.json_text import json_points, write_compact, write_json
 from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
-from ...core.formats.tracks.carrier import Carrier, compare_carriers
-from ...core.formats.tracks.comparison import Comparison, Kind, Measures
-from ...core.formats.tracks.fitting import Fit, fit_bands
-from ...core.formats.tracks.listener_tracks import ListenerTrack, Row
+from ...core.formats.tracks.fidelity import Progress
+from ...core.formats.tracks.listener_tracks import ListenerTrack, Row, Tracks
 from ...core.formats.tracks.track_export import TrackExport, body_part_of, common_losses
-from ...core.formats.tracks.vibration_file import Channel, VibrationFile
+from ...core.formats.tracks.vibration_file import VibrationFile
 from ...core.forms import Form, JsonObject
 from ..keyframes.bands import wide_bands
+from ..keyframes.carrier import Carrier, compare_carriers
+from ..keyframes.channel import KeyframedChannel
+from ..keyframes.comparison import Comparison, Kind, Measures
+from ..keyframes.fitting import Fit, fit_bands
 from ..keyframes.transients import TRANSIENT_SECONDS, transient_carrier, without_transients
 
 BANDS = wide_bands((5, 90, 430))
@@ -62,9 +64,9 @@ def loss(export: TrackExport, options: Form) -> Iterator[str]:
             yield f"that {', '.join(names)} are different places: {target}, {side} is one target"
 
 
-def measures(options: Form) -> Measures:
-    """How the clips can be compared with the tracks."""
-    return Measures(Kind.WAVE, BANDS[0].low, BANDS[-1].high)
+def comparison(tracks: Tracks, options: Form, progress: Progress) -> Comparison:
+    """What compares the files with the tracks."""
+    return Comparison(tracks, Measures(Kind.WAVE, BANDS[0].low, BANDS[-1].high), progress)
 
 
 def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
@@ -210,9 +212,8 @@ def read(path: Path) -> VibrationFile:
         without_damaged(document, _PARTS, losses, lambda: validate(document, _VERSION_5, path))
     carriers = tuple(_carriers_of(document, losses))
     end = max((carrier.end for carrier in carriers), default=0.0)
-    return VibrationFile(
-        (Channel(document.get("m_description") or path.stem, end, carriers),), tuple(losses)
-    )
+    name = document.get("m_description") or path.stem
+    return VibrationFile((KeyframedChannel(name, end, carriers=carriers),), tuple(losses))
 
 
 def _as_version_5(document: Form, losses: dict[str, None]) -> JsonObject:

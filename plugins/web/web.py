@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ...core.formats.io.atomic import write_text
-from ...core.formats.tracks.comparison import Comparison, Kind, Measures
+from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import Tracks
 from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, scene_file
 from ...core.forms import Form
 from ...core.render import lane
 from ...core.scene.body_map import figure
 from ...core.signals.interpolation import resample
+from ..keyframes.comparison import Comparison, Kind, Measures
 
 RATE = 2000
 """Largest sample rate [Hz], with which 150 s of ten listeners take less than 5 MB."""
@@ -41,9 +42,9 @@ def loss(export: TrackExport, options: Form) -> Iterator[str]:
     )
 
 
-def measures(options: Form) -> Measures:
-    """How the page can be compared with the tracks."""
-    return Measures(Kind.WAVE, 0.0, HIGHEST)
+def comparison(tracks: Tracks, options: Form, progress: Progress) -> Comparison:
+    """What compares the files with the tracks."""
+    return Comparison(tracks, Measures(Kind.WAVE, 0.0, HIGHEST), progress)
 
 
 def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:

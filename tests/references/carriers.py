@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from haptic_tracing.core.formats.tracks.carrier import _OSCILLATORS
+from haptic_tracing.plugins.keyframes.carrier import _OSCILLATORS
 
 
 def values_at(carrier, times):

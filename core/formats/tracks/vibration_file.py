@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,96 +10,50 @@ from numpy.typing import NDArray
 from ...arrays import FloatArray
 from ...frozen import frozen
 from ...perception import FullScale
-from ...signals import Sampled, Signal, Sum
+from ...signals import Sampled, Signal
 from ...signals.interpolation import resample
-from ...signals.limits import MAX_FREQUENCY, MAX_PEAK, MAX_SECONDS
 from ...signals.sampled import MAX_SAMPLES
-from .carrier import Carrier, rendered
 
-SAMPLED_RATE = 4000
-"""Sample rate (hertz) of a template with more than ``MOST_CARRIERS`` carriers."""
-MOST_CARRIERS = 100
 MOST_SAMPLES = 2**25
-MOST_LAYERS = 64
 
 
 @frozen(eq=False)
 class Channel:
-    """One vibration of a file: the sum of ``carriers`` and of ``samples`` (n,) at ``sample_rate``
-    (hertz), from time 0.
+    """One vibration of a file, from time 0: ``samples`` (n,) at ``sample_rate`` (hertz).
 
     ``duration`` in seconds. ``body_part`` is empty, and ``device``, the calibration of its device,
-    None, if the file does not give it.
-    Raises ValueError for values beyond the limits of signals.
+    None, if the file does not give it. Plug-ins have channels that hold more than samples.
     """
 
     name: str
     duration: float
-    carriers: tuple[Carrier, ...] = ()
-    samples: NDArray[np.floating] | None = None
+    samples: NDArray[np.floating] = field(default_factory=lambda: np.zeros(0))
     sample_rate: float = 0.0
     body_part: str = ""
     device: FullScale | None = None
-
-    def __post_init__(self) -> None:
-        for carrier in self.carriers:
-            for name, values, limit in (
-                (
-                    "time",
-                    (
-                        carrier.start,
-                        carrier.end,
-                        *carrier.amplitude_times[[0, -1]],
-                        *carrier.frequency_times[[0, -1]],
-                    ),
-                    MAX_SECONDS,
-                ),
-                ("amplitude", carrier.amplitudes, MAX_PEAK),
-                ("frequency", carrier.frequencies, MAX_FREQUENCY),
-            ):
-                if not (np.abs(values) <= limit).all():
-                    raise ValueError(f"{self.name}: has a {name} beyond {limit:g}")
 
     def at_rate(self, sample_rate: float) -> FloatArray:
         """The vibration as samples, shape (ceil(duration * sample_rate),). Raises ValueError for
         more than ``MOST_SAMPLES``."""
         if self.duration * sample_rate > MOST_SAMPLES:
             raise ValueError(f"{self.name}: {self.duration:.6g} seconds are too long")
-        if (
-            sum(carrier.end - carrier.start for carrier in self.carriers) * sample_rate
-            > MOST_LAYERS * MOST_SAMPLES
-        ):
-            raise ValueError(f"{self.name}: {len(self.carriers)} oscillations are too many at once")
-        if self.samples is None:
-            return rendered(self.carriers, 0, math.ceil(self.duration * sample_rate), sample_rate)
         samples = np.asarray(self.samples, dtype=np.float64)
-        samples = (
-            samples
-            if self.sample_rate == sample_rate
-            else resample(samples, self.sample_rate, sample_rate)
-        )
-        if self.carriers:
-            count = max(math.ceil(self.duration * sample_rate), len(samples))
-            samples = np.pad(samples, (0, count - len(samples))) + rendered(
-                self.carriers, 0, count, sample_rate
-            )
-        return samples
+        if not len(samples) or self.sample_rate == sample_rate:
+            return samples
+        return resample(samples, self.sample_rate, sample_rate)
 
     def to_signal(self) -> Signal:
-        """The vibration as a template: oscillators with envelopes, or samples if they are more than
-        ``MOST_CARRIERS``.
+        """The vibration as a template. Raises ValueError for a silent or too long vibration."""
+        return self.sampled(self.sample_rate)
 
-        Raises ValueError for a silent or too long vibration.
-        """
-        if self.samples is None and 0 < len(self.carriers) <= MOST_CARRIERS:
-            parts = [carrier.to_signal() for carrier in self.carriers]
-            return parts[0] if len(parts) == 1 else Sum(tuple(parts))
-        if self.duration * (self.sample_rate or SAMPLED_RATE) > MAX_SAMPLES:
+    def sampled(self, rate: float) -> Sampled:
+        """The vibration as a template of samples. Raises ValueError as `to_signal` does."""
+        if self.duration * rate > MAX_SAMPLES:
             raise ValueError(f"{self.name}: {self.duration:.6g} seconds are too long")
-        samples = self.at_rate(self.sample_rate or SAMPLED_RATE)
+        samples = self.at_rate(rate)
         if not samples.any():
             raise ValueError(f"{self.name}: there is no vibration in it")
-        return Sampled(samples, self.sample_rate or SAMPLED_RATE)
+        return Sampled(samples, rate)
 
 
 @frozen(eq=False)

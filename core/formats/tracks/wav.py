@@ -24,7 +24,7 @@ from ..io.atomic import atomic_file
 from ..io.error import FormatError
 from ..io.json_text import write_json
 from ..io.strict_json import read_json
-from .comparison import Comparison, Kind, Measures
+from .fidelity import Progress, SampleComparison
 from .listener_tracks import CHUNK, ListenerTrack, Tracks
 from .track_export import TrackExport, body_part_of, common_losses, credit, scene_file
 from .vibration_file import Channel, VibrationFile
@@ -54,12 +54,14 @@ def loss(export: TrackExport, options: Form) -> Iterator[str]:
         yield f"what lies above {options['sample_rate'] / 2:g} Hz"
 
 
-def measures(options: Form) -> Measures:
-    """How the files can be compared with the tracks."""
-    return Measures(Kind.SAMPLES)
+def comparison(tracks: Tracks, options: Form, progress: Progress) -> SampleComparison:
+    """What compares the files with the tracks."""
+    return SampleComparison(tracks, progress)
 
 
-def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
+def write(
+    export: TrackExport, folder: Path, options: Form, measured: SampleComparison
+) -> list[Path]:
     """Write ``<scene>.wav`` and ``<scene>.wav.json``."""
     original = export.need_tracks()
     tracks = at_rate(original, options["sample_rate"])
@@ -216,7 +218,7 @@ def encoded(tracks: Tracks, encoding: str) -> Iterator[NDArray[Any]]:
             yield block.astype("<f4")
 
 
-def compare_encoded(encoding: str, measured: Comparison) -> None:
+def compare_encoded(encoding: str, measured: SampleComparison) -> None:
     """Measure the losses of encoding the samples."""
     for coded in encoded(measured.tracks, encoding):
         for number, values in enumerate(coded / np.float64(FULL_SCALE[encoding])):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from haptic_tracing.core.formats.tracks.carrier import rendered
+from haptic_tracing.plugins.keyframes.carrier import rendered
 from haptic_tracing.plugins.meta import haptic
 
 RATE = 8000

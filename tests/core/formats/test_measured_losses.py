@@ -8,8 +8,8 @@ import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io import catalogue
-from haptic_tracing.core.formats.tracks.comparison import Comparison, Kind, Measures
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
+from haptic_tracing.plugins.keyframes.comparison import Comparison, Kind, Measures
 
 RATE = 8000
 TIME = np.arange(6 * RATE) / RATE
@@ -132,7 +132,7 @@ def test_missing_and_invented_onsets_are_named(loud):
         assert found["listener 0"].missing == found["listener 0"].invented == ()
         assert found["listener 1"].missing == pytest.approx((2.5,), abs=0.01)
         assert found["listener 1"].invented == pytest.approx((4.5,), abs=0.01)
-        words = list(registry.sentences(measured.result()))
+        words = list(measured.result().sentences())
         assert any(line.startswith("onsets missing at listener 1: 2.") for line in words)
         assert any(line.startswith("onsets invented at listener 1: 4.") for line in words)
         assert any(line.startswith("by listener, most lost first: listener 1 ") for line in words)

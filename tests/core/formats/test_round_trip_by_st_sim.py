@@ -16,9 +16,9 @@ from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.io.catalogue import named
-from haptic_tracing.core.formats.tracks.carrier import rendered
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
+from haptic_tracing.plugins.keyframes.carrier import rendered
 from vibromaf.metrics.stsim import st_sim
 
 BLOCK = 512

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
-from ...frozen import frozen
-from ...signals import Automation, Delay, Keyed, Saw, Signal, Sine, Square, Triangle
-from ...signals.oscillators import Oscillator
+from ...core.arrays import FloatArray, IntArray
+from ...core.formats.tracks.listener_tracks import CHUNK
+from ...core.frozen import frozen
+from ...core.signals import Automation, Delay, Keyed, Saw, Signal, Sine, Square, Triangle
+from ...core.signals.oscillators import Oscillator
 from .comparison import Comparison
-from .listener_tracks import CHUNK
 
 _OSCILLATORS: dict[str, tuple[Oscillator, float]] = {
     "sine": (Sine(), 0.0),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ...arrays import FloatArray, IntArray
+from ...core.arrays import FloatArray, IntArray
 
 RATE = 1000
 """Rate (hertz) of the levels."""

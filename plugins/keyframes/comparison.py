@@ -5,16 +5,25 @@ from __future__ import annotations
 
 import enum
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from ...arrays import BoolArray, FloatArray, IntArray
-from ...frozen import frozen
-from .listener_tracks import PIECE, Tracks
+from ...core.arrays import BoolArray, FloatArray, IntArray
+from ...core.formats.tracks.fidelity import (
+    LOST_LIMIT,
+    SILENT,
+    ListenerFidelity,
+    Progress,
+    by_listener,
+    decibels,
+    percent,
+)
+from ...core.formats.tracks.listener_tracks import PIECE, Tracks
+from ...core.frozen import frozen
 from .onsets import RATE, away_from, onsets
 
 EDGES = (0.0, 5.0, 20.0, 40.0, 80.0, 160.0, 320.0, 640.0, 1000.0)
@@ -40,8 +49,6 @@ dB)."""
 MOST_NAMED, MOST_TIMES, MOST_LINES = 12, 4, 3
 """Listeners and onsets that a sentence names, and sentences about onsets."""
 
-LOST_LIMIT = 0.25
-"""Share of the power that may be lost before replacing a file needs consent."""
 LEVEL_LIMIT = 3.0
 """Change of level [dB] above which replacing a file needs consent."""
 ONSET_LIMIT = 20.0
@@ -50,7 +57,6 @@ ONSET_LIMIT = 20.0
 _BEFORE, _AFTER = 30, 120
 _MOMENT = 6
 """Milliseconds of a quiet moment: no tone has one, but a train of 60 pulses a second does."""
-_SILENT = 1e-12
 _ALL = 2
 """The bin of the spectra, of a frequency that counts, that has all power where none is computed."""
 
@@ -58,7 +64,6 @@ _ALL = 2
 class Kind(enum.Enum):
     """The aspect of a vibration that a format keeps, by which its files are compared."""
 
-    SAMPLES = "samples"  # every sample, rounded: only the error and the level are measured
     WAVE = "wave"  # the samples themselves: their difference is an error
     SPECTRUM = "spectrum"  # amplitude and frequency, but no phase: power by band is compared
     LEVEL = "level"  # amplitude alone
@@ -72,22 +77,6 @@ class Measures:
     kind: Kind
     low: float = 0.0
     high: float = math.inf
-
-
-@frozen
-class ListenerFidelity:
-    """The measured losses of one listener.
-
-    lost: share of its power that is not reproduced, None unless waves are kept. level: change of
-    its level (dB). missing, invented: times (seconds) of onsets that are not played, and of onsets
-    that are played without having been there.
-    """
-
-    name: str
-    lost: float | None
-    level: float
-    missing: tuple[float, ...] = ()
-    invented: tuple[float, ...] = ()
 
 
 @frozen
@@ -126,44 +115,37 @@ class Fidelity:
             or (self.onset or 0.0) > ONSET_LIMIT
         )
 
-
-def sentences(fidelity: Fidelity | None) -> Iterator[str]:
-    """The measurements as sentences."""
-    if fidelity is None:
-        return
-    span = f"{fidelity.low:g} to {fidelity.high:g} Hz"
-    if fidelity.kind is Kind.SAMPLES:
-        if fidelity.lost:
-            yield f"{_percent(fidelity.lost)} of the power, by rounding"
-        return
-    if fidelity.beyond >= 0.0005:
-        yield f"{_percent(fidelity.beyond)} of the power, which lies outside of {span}"
-    if fidelity.lost_within is not None:
-        yield f"{_percent(fidelity.lost_within)} of the power from {span}"
-    changes = [change for _, _, change in fidelity.band_levels]
-    by_band = f", by band {min(changes):+z.1f} to {max(changes):+z.1f} dB" if changes else ""
-    yield f"levels change by {fidelity.level:+z.1f} dB{by_band}"
-    if fidelity.onset is not None:
-        yield f"onsets shift by up to {fidelity.onset:g} ms"
-    if len(fidelity.listeners) > 1:
-        yield f"by listener, most lost first: {_first(map(_of_listener, fidelity.listeners))}"
-    for word in ("missing", "invented"):
-        sharing: dict[tuple[float, ...], list[str]] = {}
-        for listener in fidelity.listeners:
-            sharing.setdefault(getattr(listener, word), []).append(listener.name)
-        sharing.pop((), None)
-        for times, names in list(sharing.items())[:MOST_LINES]:
-            first = _first((f"{time:.3f} s" for time in times), MOST_TIMES)
-            yield f"onsets {word} at {_first(names)}: {first}"
-        others = list(sharing.items())[MOST_LINES:]
-        if others:
-            listeners = sum(len(names) for _, names in others)
-            count = sum(len(names) * len(times) for times, names in others)
-            yield f"onsets {word} at {listeners} other listeners: {count}"
+    def sentences(self) -> Iterator[str]:
+        """The measurements as sentences."""
+        span = f"{self.low:g} to {self.high:g} Hz"
+        if self.beyond >= 0.0005:
+            yield f"{percent(self.beyond)} of the power, which lies outside of {span}"
+        if self.lost_within is not None:
+            yield f"{percent(self.lost_within)} of the power from {span}"
+        changes = [change for _, _, change in self.band_levels]
+        by_band = f", by band {min(changes):+z.1f} to {max(changes):+z.1f} dB" if changes else ""
+        yield f"levels change by {self.level:+z.1f} dB{by_band}"
+        if self.onset is not None:
+            yield f"onsets shift by up to {self.onset:g} ms"
+        if len(self.listeners) > 1:
+            yield f"by listener, most lost first: {_first(map(_of_listener, self.listeners))}"
+        for word in ("missing", "invented"):
+            sharing: dict[tuple[float, ...], list[str]] = {}
+            for listener in self.listeners:
+                sharing.setdefault(getattr(listener, word), []).append(listener.name)
+            sharing.pop((), None)
+            for times, names in list(sharing.items())[:MOST_LINES]:
+                first = _first((f"{time:.3f} s" for time in times), MOST_TIMES)
+                yield f"onsets {word} at {_first(names)}: {first}"
+            others = list(sharing.items())[MOST_LINES:]
+            if others:
+                listeners = sum(len(names) for _, names in others)
+                count = sum(len(names) * len(times) for times, names in others)
+                yield f"onsets {word} at {listeners} other listeners: {count}"
 
 
 def _of_listener(listener: ListenerFidelity) -> str:
-    lost = "" if listener.lost is None else f"{_percent(listener.lost)} of the power, "
+    lost = "" if listener.lost is None else f"{percent(listener.lost)} of the power, "
     return f"{listener.name} {lost}{listener.level:+z.1f} dB"
 
 
@@ -171,10 +153,6 @@ def _first(items: Iterable[str], most: int = MOST_NAMED) -> str:
     """The first items, and the number of the others."""
     every = list(items)
     return ", ".join(every[:most]) + (f" and {len(every) - most} more" if every[most:] else "")
-
-
-def _percent(share: float) -> str:
-    return f"{share:.1%}" if share >= 0.001 else f"{100 * share:.1g} %"
 
 
 class Comparison:
@@ -186,14 +164,12 @@ class Comparison:
     with the share that is written; its exceptions end the writing.
     """
 
-    def __init__(
-        self, tracks: Tracks, measures: Measures, progress: Callable[[float], None] | None = None
-    ) -> None:
+    def __init__(self, tracks: Tracks, measures: Measures, progress: Progress = None) -> None:
         self.tracks = tracks
         self.kind, self.low, self.high = measures.kind, measures.low, measures.high
         self._progress = progress
         self._rate = tracks.sample_rate
-        self.thinning = 1 if self.kind is Kind.SAMPLES else max(self._rate // LOWEST_RATE, 1)
+        self.thinning = max(self._rate // LOWEST_RATE, 1)
         self._listeners = [
             _Listener(tracks, number, self.thinning, self.kind)
             for number in range(len(tracks.listeners))
@@ -217,9 +193,9 @@ class Comparison:
         original, decoded, error = parts.sum(axis=0)
         within = (hertz >= self.low) & (hertz <= self.high)
         total = float(original.sum())
-        if total <= _SILENT:
+        if total <= SILENT:
             return None
-        is_wave = self.kind in (Kind.SAMPLES, Kind.WAVE)
+        is_wave = self.kind is Kind.WAVE
         compared = within if is_wave else np.ones(self._bins, dtype=np.bool_)
         lags = [lag for part in self._listeners for lag in part.lags()]
         powers = parts[:, :, compared].sum(axis=2)
@@ -229,33 +205,20 @@ class Comparison:
             high=min(self.high, self._rate / 2),
             beyond=float(original[~within].sum()) / total,
             lost=float(error.sum()) / total if is_wave else None,
-            lost_within=float(error[within].sum()) / max(float(original[within].sum()), _SILENT)
+            lost_within=float(error[within].sum()) / max(float(original[within].sum()), SILENT)
             if is_wave
             else None,
             band_levels=()
-            if self.kind in (Kind.SAMPLES, Kind.LEVEL)
+            if self.kind is Kind.LEVEL
             else tuple(_band_levels(hertz, original, decoded, within)),
-            level=_decibels(float(decoded[compared].sum()), float(original[compared].sum())),
+            level=decibels(float(decoded[compared].sum()), float(original[compared].sum())),
             onset=float(np.percentile(np.abs(lags), 95)) if lags else None,
-            listeners=self._by_listener(powers, has_error=is_wave),
-        )
-
-    def _by_listener(self, powers: FloatArray, *, has_error: bool) -> tuple[ListenerFidelity, ...]:
-        """powers (n_listeners, 3): of the original, of the decoded signal, and of the error. Silent
-        listeners have no losses."""
-        least = _SILENT * float(powers[:, 0].sum())
-        found = [
-            ListenerFidelity(
-                part.name,
-                lost / max(own, least) if has_error else None,
-                _decibels(played, own),
-                *part.changed_onsets(),
-            )
-            for part, (own, played, lost) in zip(self._listeners, powers.tolist(), strict=True)
-            if own > least
-        ]
-        return tuple(
-            sorted(found, key=lambda item: (item.lost or 0.0, abs(item.level)), reverse=True)
+            listeners=by_listener(
+                [part.name for part in self._listeners],
+                powers,
+                [part.changed_onsets() for part in self._listeners],
+                has_error=is_wave,
+            ),
         )
 
     @property
@@ -268,10 +231,6 @@ def _size(rate: int, thinning: int) -> int:
     return 4 * thinning * max(round(WINDOW * rate / (4 * thinning)), 1)
 
 
-def _decibels(power: float, reference: float) -> float:
-    return 10 * math.log10(max(power, _SILENT * reference, 1e-300) / max(reference, 1e-300))
-
-
 def _band_levels(
     hertz: FloatArray, original: FloatArray, decoded: FloatArray, within: BoolArray
 ) -> Iterator[tuple[float, float, float]]:
@@ -280,7 +239,7 @@ def _band_levels(
         band = (hertz >= low) & (hertz < high) & within
         power = float(original[band].sum())
         if power >= 0.01 * float(original.sum()):
-            yield low, min(high, float(hertz[-1])), _decibels(float(decoded[band].sum()), power)
+            yield low, min(high, float(hertz[-1])), decibels(float(decoded[band].sum()), power)
 
 
 class _Listener:
@@ -289,7 +248,7 @@ class _Listener:
     def __init__(self, tracks: Tracks, number: int, thinning: int, kind: Kind) -> None:
         track, rate = tracks.listeners[number], tracks.sample_rate
         self.name, self._impacts = track.name, track.impacts[:, 0]
-        self._samples, self._row = tracks.samples[number], tracks.row(number)
+        self._row = tracks.row(number)
         self._thinning, self._kind = thinning, kind
         self.done = 0
         size = _size(rate, thinning)
@@ -301,13 +260,6 @@ class _Listener:
         self._envelopes = _Envelope(rate), _Envelope(rate / thinning)
 
     def add(self, decoded: FloatArray) -> None:
-        if self._kind is Kind.SAMPLES:
-            end = self.done + len(decoded)
-            original = np.asarray(self._samples[self.done : end], dtype=np.float64)
-            signals = original, decoded, original - decoded
-            self._sums[:, _ALL] += [np.dot(signal, signal) for signal in signals]
-            self.done = end
-            return
         step = PIECE // self._thinning
         for k in range(0, len(decoded), step):
             played = decoded[k : k + step]

@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import FloatArray, IntArray
-from ...frozen import frozen
-from .listener_tracks import Row
+from ...core.arrays import FloatArray, IntArray
+from ...core.formats.tracks.listener_tracks import Row
+from ...core.frozen import frozen
 
 ComplexArray = NDArray[np.complex128]
 

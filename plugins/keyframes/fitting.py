@@ -13,12 +13,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray
-from ...frozen import frozen
-from ...signals.keys import needed_keys
+from ...core.arrays import BoolArray, FloatArray, IntArray
+from ...core.formats.tracks.listener_tracks import Row
+from ...core.frozen import frozen
+from ...core.signals.keys import needed_keys
 from .analytic import CONTEXT, Band, ComplexArray, Window, analytic_windows
 from .carrier import Carrier
-from .listener_tracks import Row
 
 POWER_RATE = 125
 """Rate (hertz) at which the signal's power is evaluated."""

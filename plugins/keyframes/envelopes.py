@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import FloatArray, IntArray
-from ...signals.keys import needed_keys
+from ...core.arrays import FloatArray, IntArray
+from ...core.formats.tracks.listener_tracks import CHUNK, PIECE, Row
+from ...core.signals.keys import needed_keys
 from .analytic import Band
 from .carrier import Carrier
 from .comparison import Comparison
 from .fitting import Fit, fit_bands
-from .listener_tracks import CHUNK, PIECE, Row
 from .onsets import RATE, away_from, pulses
 
 WHOLE = Band(5, 700, 2.5, 90, 1600)
