@@ -28,21 +28,10 @@ if TYPE_CHECKING:
 _FRONT_DOOR = ("Run", "Scene", "Step", "load", "loads", "open")
 """What the package offers outside Blender, imported when it is asked for."""
 
-_GLTF = {
-    "glTF2ExportUserExtension": "addon.io.gltf",
-    "glTF2ImportUserExtension": "addon.io.gltf",
-    "draw_export": "addon.panels.gltf",
-    "draw_import": "addon.panels.gltf",
-}
-"""What Blender's glTF exporter and importer look for in the modules of add-ons, and the module that
-has it."""
-
 
 def __getattr__(name: str) -> Any:
     if name in _FRONT_DOOR:
         return getattr(import_module(".core.run_time", __package__), name)
-    if name in _GLTF:
-        return getattr(import_module(f".{_GLTF[name]}", __package__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

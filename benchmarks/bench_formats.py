@@ -7,7 +7,7 @@ The listeners feel a jackhammer and falling crates, each as strongly as the way 
 Samples lie on disk, as after tracing. Every format is written by a process of its own: `s` is the
 time that writing takes, `CPU s` that of the processor, `MB more` by how much the most memory that
 the process held exceeds what it held before, mapped samples included, `ST-SIM` the similarity
-(vibromaf, 1 is the same) of the first 10 s of two listeners read back. AHAP, .tact and HLA carry
+(vibromaf, 1 is the same) of the first 10 s of two listeners read back. AHAP and .tact carry
 strengths, not waves, which ST-SIM compares; it does not apply to them. Needs vibromaf.
 """
 

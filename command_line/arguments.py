@@ -308,7 +308,6 @@ def _engine(parser: Parser) -> None:
     _add(parser, "file", "FILE.blend", "Blender file with haptic objects")
     _add_folder(parser)
     _add_frames(parser)
-    _flag(parser, "--no-pack", "write no baked pack")
 
 
 def _bake(parser: Parser) -> None:
@@ -530,8 +529,7 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "haptic-tracing bake bench.blend --to wav,hjif --frames 1:250 --modes HT,SD",
     ),
     "engine": Subcommand(
-        "Play a Blender file, and write it as glTF, its haptics with the same names, and a baked "
-        "pack that plays without a server.",
+        "Write a Blender file as glTF, and its haptics with the same names.",
         _engine,
         "haptic-tracing engine bench.blend --out game/assets --frames 1:250",
     ),

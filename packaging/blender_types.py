@@ -49,7 +49,7 @@ from mypy.types import (
 )
 from mypy.types_utils import remove_optional
 
-ADDON = "haptic_tracing.addon"
+ADDON, PLUGINS = "haptic_tracing.addon", "haptic_tracing.plugins"
 HAPTICS = {
     "NodeTree": f"{ADDON}.properties.drawing.HapticDrawing",
     "Object": f"{ADDON}.properties.object.HapticObjectProperties",
@@ -164,7 +164,7 @@ class BlenderTypes(Plugin):
     ) -> Callable[[ClassDefContext], None] | None:
         """What changes a class before its body is analyzed."""
         module, _, name = fullname.rpartition(".")
-        if module.startswith(ADDON):
+        if module.startswith((ADDON, PLUGINS)):
             return _write_types
         if fullname == "bpy_extras.io_utils.ExportHelper" or (
             module == "bpy.types" and name in DERIVED

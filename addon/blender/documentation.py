@@ -18,7 +18,7 @@ _PAGES = {
     "panels/scene": "ops.haptic. types.hapticscene types.hapticrule types.hapticimpact "
     "types.haptictransmission types.haptictexture",
     "panels/warmth": "types.hapticthermal",
-    "formats": "types.hapticgltf ops.import_scene.haptic ops.export_scene.haptic",
+    "formats": "ops.import_scene.haptic ops.export_scene.haptic",
     **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("listener", "object")},
 }
 """Pages with patterns of the lower-case names of their operators and properties; the first match

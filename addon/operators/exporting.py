@@ -20,7 +20,7 @@ from ..blender.polling import Action
 from ..blender.single_precision import shortest
 from ..blender.text import wrapped
 from ..blender.words import TranslatedError, report_text, ui_text
-from ..io import capture, engine, frame_scene, last_export
+from ..io import capture, frame_scene, last_export
 from ..properties.declared import property_of
 from ..properties.kinds import FRAMES, choice, switch, text, whole
 
@@ -287,46 +287,6 @@ class HAPTIC_OT_export_tracks(RangeExport, Action):
             self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format)
         )
         return self.captured(context, False, True, write)
-
-
-class HAPTIC_OT_export_engine(RangeExport, Action):
-    """Write the scene as glTF, its haptics with the same names, and what is felt in a form that plays without Blender"""
-
-    bl_idname = "export_scene.haptic_engine"
-    bl_label = "Export for an Engine"
-    bl_options = {"PRESET"}
-    endings = (".glb",)
-    filename_ext = ".glb"
-
-    filter_glob: StringProperty(default="*.glb", options={"HIDDEN"})
-    packed: switch(
-        "Baked Pack",
-        "Also what plays without a server: tracks, blows and one-shots as they are felt",
-        default=True,
-    )
-
-    def draw(self, context: Context) -> None:
-        layout = self.options_layout()
-        self.draw_range(layout)
-        layout.prop(self, "packed")
-
-    def apply(self, context: Context) -> set[str]:
-        path = Path(bpy.path.abspath(self.filepath.removesuffix(".glb")))
-        if not path.parent.is_dir():
-            raise TranslatedError("There is no folder {}", path.parent)
-        work = engine.EngineExport(
-            context.scene, self.frame_start, self.frame_end, path, self.packed
-        )
-        return job.run(
-            self,
-            context,
-            job.Job(
-                "Exporting",
-                self.frame_end - self.frame_start + 1,
-                work.steps(),
-                lambda running: written(work.write(), ()),
-            ),
-        )
 
 
 class HAPTIC_OT_copy_methods(Action):

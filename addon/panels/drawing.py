@@ -62,7 +62,6 @@ _PAGES = {
     "live_output": "devices",
     "quick_start": "tutorial",
     "export": "formats",
-    "gltf": "formats",
     "vr": "vr",
     "modalities": "panels/warmth",
 }

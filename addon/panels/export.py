@@ -25,9 +25,7 @@ class HAPTIC_PT_export(ScenePanel):
         layout = self.layout
         if job.draw_running(layout):
             return
-        row = layout.row(align=True)
-        row.operator("export_scene.haptic_engine", icon="EXPORT")
-        row.operator("haptic.copy_methods", icon="COPYDOWN")
+        layout.operator("haptic.copy_methods", icon="COPYDOWN")
         _draw_losses(layout)
 
 
@@ -104,7 +102,6 @@ def _in_viewport(context: Context) -> bool:
 def draw_export(self: Menu, context: Context) -> None:
     """Entries of File > Export."""
     self.layout.operator("export_scene.haptic_scene", text="Haptic Scene (.json)")
-    self.layout.operator("export_scene.haptic_engine", text="Haptics for an Engine (.glb)")
     endings = "/".join(form.suffix for form in track_formats().values())
     _draw_entry(self.layout, "export_scene.haptic_tracks", ui_text("Haptic Tracks"), endings)
 

@@ -1,4 +1,4 @@
-"""Properties of a scene: how it is traced and shown, its meters, and its haptics in glTF files."""
+"""Properties of a scene: how it is traced and shown, and its meters."""
 
 from __future__ import annotations
 
@@ -55,23 +55,6 @@ class HapticMetersProperties(PropertyGroup):
         "The column by which the result is sorted: names in their order, numbers from the highest "
         "on",
         tuple((title.lower(), title, "") for title in _COLUMNS),
-    )
-
-
-class HapticGltfProperties(PropertyGroup):
-    """The data that is written when the scene is exported as glTF."""
-
-    use_extras: switch(
-        "Haptics", "Roles, haptic properties, functions and contacts, in the extras of nodes", True
-    )
-    use_material: switch(
-        "MPEG Haptic Material", "Haptic materials of meshes as an extension of ISO/IEC 23090-14"
-    )
-    material_name: text(
-        "Name",
-        "Name of that extension, because drafts of the standard differ",
-        "MPEG_haptic_material",
-        maxlen=60,
     )
 
 
@@ -139,7 +122,6 @@ class HapticSceneProperties(Stored, PropertyGroup):
     meters: PointerProperty(type=HapticMetersProperties)
     live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
     materials: PointerProperty(type=materials.HapticMaterialLibrary)
-    gltf: PointerProperty(type=HapticGltfProperties)
     modalities: PointerProperty(type=modalities.HapticSceneModalities)
     imported_contacts: text(
         "Imported Contacts",

@@ -85,7 +85,7 @@ _NOT_FELT = frozenset(
             "bake",
             "meters",
         ),
-        *("live_output", "materials", "gltf", "modalities", "kept_impacts", "sound"),
+        *("live_output", "materials", "modalities", "kept_impacts", "sound"),
         *("full_scale", "full_scale_unit", "full_scale_source"),
     }
 )

@@ -11,6 +11,8 @@ import bpy
 class RecordingLayout:
     """Stands in for UILayout: sub-layouts are the same recorder."""
 
+    operator_context = "INVOKE_DEFAULT"
+
     def __init__(self) -> None:
         self.labels: list[str] = []
         self.properties: list[str] = []

@@ -13,7 +13,7 @@ from haptic_tracing.addon.session import session, sessions
 
 NOT_TRACED = tuple(
     f"haptics.{name}"
-    for name in ("bake.", "gltf.", "live_output.", "meters.", "modalities.", "felt.", "tracing")
+    for name in ("bake.", "live_output.", "meters.", "modalities.", "felt.", "tracing")
 )
 OVER_TIME = {FREQUENCY, ENVELOPE}
 """Read as curves, once for all frames."""

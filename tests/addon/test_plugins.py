@@ -36,7 +36,7 @@ COUNTING = """
 def loss(export, options):
     yield "everything but the count"
 
-def measures(options):
+def comparison(tracks, options, progress):
     return None
 
 def write(export, folder, options, measured):

@@ -17,6 +17,7 @@ from haptic_tracing.core.modalities import MODALITIES
 from haptic_tracing.core.scene import body_map
 
 ADDON = Path(haptic_tracing.__file__).parent / "addon"
+PLUGINS = ADDON.parent / "plugins"
 _BASES = (
     bpy.types.Operator,
     bpy.types.Panel,
@@ -56,7 +57,7 @@ def registered_texts() -> set[str]:
 def written_texts() -> set[str]:
     """Texts in the sources that are drawn or reported."""
     found: set[str] = set()
-    for path in ADDON.rglob("*.py"):
+    for path in (*ADDON.rglob("*.py"), *PLUGINS.rglob("*.py")):
         if "translations" not in path.parts:
             found |= {
                 text
@@ -70,7 +71,7 @@ def literals() -> set[str]:
     """Every string in the sources of the add-on and the core."""
     return {
         node.value
-        for folder in (ADDON, ADDON.parent / "core")
+        for folder in (ADDON, ADDON.parent / "core", PLUGINS)
         for path in folder.rglob("*.py")
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Constant) and isinstance(node.value, str)

@@ -186,7 +186,7 @@ def test_a_hum_lacks_every_pulse_and_longer_pulses_none(hertz):
         found = measured.result()
         for listener in found.listeners:
             assert len(listener.missing) == pytest.approx(lacking, abs=5 * bool(lacking))
-        lines = [line for line in registry.sentences(found) if "missing" in line]
+        lines = [line for line in found.sentences() if "missing" in line]
         assert len(lines) == bool(lacking)
 
 

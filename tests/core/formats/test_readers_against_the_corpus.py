@@ -38,9 +38,9 @@ def finite(result):
     """What was read holds nothing that is not finite."""
     for channel in getattr(result, "channels", ()):
         assert np.isfinite(channel.duration)
-        for carrier in channel.carriers:
+        for carrier in getattr(channel, "carriers", ()):
             assert np.isfinite(values_at(carrier, np.array([carrier.start, carrier.end]))).all()
-        assert channel.samples is None or np.isfinite(channel.samples).all()
+        assert np.isfinite(channel.samples).all()
 
 
 def test_there_are_files_of_every_kind():

@@ -13,6 +13,8 @@ from typing import Any
 import bpy
 from bpy.types import Object
 
+from ...addon.io.frame_scene import scene_of_frame
+from ...addon.io.property_writer import stored_text, write_body, write_listener, write_source
 from ...core.formats.provenance import provenance_of
 from ...core.formats.scene.values_json import (
     item_to_dict,
@@ -23,8 +25,6 @@ from ...core.formats.scene.values_json import (
 )
 from ...core.forms import Form, JsonObject
 from ...core.scene.values import HapticScene
-from .frame_scene import scene_of_frame
-from .property_writer import stored_text, write_body, write_listener, write_source
 
 KEY = "haptic_tracing"
 VERSION = 1
@@ -40,7 +40,8 @@ class glTF2ExportUserExtension:
     """Hooks that the exporter instantiates once per file and calls for every node."""
 
     def __init__(self) -> None:
-        self.properties = bpy.context.scene.haptics.gltf
+        scene: Any = bpy.context.scene
+        self.properties = scene.haptic_gltf
         self.materials: dict[tuple[str, float, float], int] = {}
         self._forms: dict[str, JsonObject] | None = None
         self._scene: HapticScene | None = None

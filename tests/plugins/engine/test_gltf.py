@@ -87,7 +87,7 @@ def test_the_head_says_where_the_haptics_come_from(bench, gltf):
     scene = scene_of_frame(bench, bpy.context.evaluated_depsgraph_get())
     assert asset["extras"]["haptic_tracing"] == provenance_of(scene)
     assert "Blender" in asset["generator"] and asset["version"] == "2.0"
-    bench.haptics.gltf.use_extras = False
+    bench.haptic_gltf.use_extras = False
     assert "extras" not in gltf()["asset"]
 
 
@@ -99,8 +99,8 @@ def test_axes_follow_the_exporter(bench, gltf):
 
 
 def test_haptic_materials_under_a_name_that_is_set(bench, gltf):
-    bench.haptics.gltf.use_material = True
-    bench.haptics.gltf.material_name = "MPEG_material_haptic"
+    bench.haptic_gltf.use_material = True
+    bench.haptic_gltf.material_name = "MPEG_material_haptic"
     bpy.data.objects["seat"].haptics.material.name = "old oak"
     document = gltf()
     assert (
@@ -119,9 +119,9 @@ def test_haptic_materials_under_a_name_that_is_set(bench, gltf):
 
 
 def test_nothing_where_it_is_not_wanted_or_nothing_is_tagged(bench, gltf):
-    bench.haptics.gltf.use_extras = False
+    bench.haptic_gltf.use_extras = False
     assert "haptic_tracing" not in json.dumps(gltf())
-    bench.haptics.gltf.use_extras = True
+    bench.haptic_gltf.use_extras = True
     for obj in bench.objects:
         obj.haptics.enabled = obj.haptics.source.enabled = obj.haptics.listener.enabled = False
     assert "haptic_tracing" not in json.dumps(gltf())
@@ -188,6 +188,6 @@ def test_the_exporters_panel_draws(bench, gltf, recording_layout):
             return self, self
 
     layout = Layout()
-    bench.haptics.gltf.use_material = True
+    bench.haptic_gltf.use_material = True
     haptic_tracing.draw_export(bpy.context, layout)
     assert layout.properties == ["use_extras", "use_material", "material_name"]

@@ -1,0 +1,1 @@
+"""glTF: haptics in the files of Blender's exporter, and the export for an engine."""
