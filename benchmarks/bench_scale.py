@@ -36,7 +36,7 @@ def _cost(*arguments: object) -> tuple[float, float, str]:
 def _measure(name: str, more: list[str], folder: Path) -> None:
     blend = folder / f"{name}.blend"
     _cost("sample", name, *more, "--output", blend)
-    bake = ("bake", blend, "--out", folder, "--frames")
+    bake = ("export", blend, "--out", folder, "--frames")
     few, many = (_cost(*bake, f"1:{last}")[1] for last in (2, FRAMES))
     frame = (many - few) / (FRAMES - 2)
     start = few - 2 * frame
@@ -51,7 +51,7 @@ def _measure(name: str, more: list[str], folder: Path) -> None:
         heading = f"part {number} of {PARTS}, {traced} frames traced"
         print(f"{heading:<34}{used:>10.2f}{start + traced * frame:>8.2f}{passed:>8.2f}")
     parts = [folder / f"{name}.{number}-of-{PARTS}.npz" for number in range(1, PARTS + 1)]
-    passed, used, _ = _cost("merge", *parts, "--out", folder)
+    passed, used, _ = _cost("export", *parts, "--out", folder)
     print(f"{f'merge of {FRAMES} frames':<34}{used:>10.2f}{'':>8}{passed:>8.2f}")
 
     def sweep(variants: int, workers: int) -> tuple[float, float, str]:

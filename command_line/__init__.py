@@ -109,9 +109,21 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Import the subcommand and run it. Raises ValueError if it needs Blender and there is none."""
+    """Import the subcommand and run it."""
+    module = command_module(args.command)
+    args.json, args.stdout = getattr(args, "json", False), sys.stdout
+    for key, suffix in standard_streams.INPUTS.items():
+        if getattr(args, key, None) == standard_streams.DASH:
+            setattr(args, key, standard_streams.from_input(suffix))
+    with redirect_stdout(sys.stderr) if args.json else nullcontext():
+        code: int = module.run(args)
+    return code
+
+
+def command_module(name: str) -> Any:
+    """Import a module of this package. Raises ValueError if it needs Blender and there is none."""
     try:
-        module = import_module(f".{args.command}", __name__)
+        return import_module(f".{name}", __name__)
     except ModuleNotFoundError as error:
         if error.name in ("scipy", "pandas"):
             raise ValueError(
@@ -123,13 +135,6 @@ def run(args: argparse.Namespace) -> int:
             "this needs Blender as a Python module: pip install bpy (its version decides the "
             "Python version)"
         ) from None
-    args.json, args.stdout = getattr(args, "json", False), sys.stdout
-    for key, suffix in standard_streams.INPUTS.items():
-        if getattr(args, key, None) == standard_streams.DASH:
-            setattr(args, key, standard_streams.from_input(suffix))
-    with redirect_stdout(sys.stderr) if args.json else nullcontext():
-        code: int = module.run(args)
-    return code
 
 
 def answer(args: argparse.Namespace, result: Form) -> None:

@@ -14,6 +14,8 @@ from ..core.formats.io.catalogue import formats, readers
 from ..sample_scenes import SAMPLES
 
 Parser = argparse.ArgumentParser
+Options = argparse._ActionsContainer
+"""A parser, or a group of its arguments."""
 
 FORMAT_NAMES = f"{', '.join(formats())}, or all"
 
@@ -28,7 +30,7 @@ class Subcommand(NamedTuple):
 
 
 def _add(
-    parser: Parser, name: str, metavar: str | tuple[str, ...], about: str, **more: Any
+    parser: Options, name: str, metavar: str | tuple[str, ...], about: str, **more: Any
 ) -> None:
     """Add an argument; a number has the type of its default. ``more``: as in argparse."""
     if isinstance(more.get("default"), int | float):
@@ -36,7 +38,7 @@ def _add(
     parser.add_argument(name, metavar=metavar, help=about, **more)
 
 
-def _flag(parser: Parser, name: str, about: str) -> None:
+def _flag(parser: Options, name: str, about: str) -> None:
     """Add an option that is on where it is given, and takes no value."""
     parser.add_argument(name, action="store_true", help=about)
 
@@ -77,45 +79,7 @@ def _propagate(parser: Parser) -> None:
     _flag(
         parser, "--felt", "also which sources each listener feels, and which are masked by others"
     )
-
-
-def _sound(parser: Parser) -> None:
-    _add(parser, "sound", "IN.wav", "the sound; -: standard input", type=Path)
-    _add(
-        parser,
-        "--output",
-        "OUT.json",
-        "the signal, as in a source of a haptic scene; -: standard output",
-        required=True,
-        type=Path,
-    )
-    _add(
-        parser,
-        "--carrier",
-        "HERTZ|pitch|DEVICE",
-        "a frequency, the sound's pitch, or a device's best (160)",
-        default="160",
-    )
-    _add(
-        parser,
-        "--gate",
-        "DB",
-        "what is quieter makes no vibration (-40)",
-        type=_number,
-        default=-40.0,
-    )
-    _add(parser, "--gain", "X", "factor on the amplitude (1)", type=_not_negative, default=1.0)
-
-
-def _contacts(parser: Parser) -> None:
-    _add_scene(parser)
-    _add(
-        parser,
-        "--tolerance",
-        "M",
-        "greatest signed distance of a contact (the file's, else 0.01 m)",
-        type=_not_negative,
-    )
+    _flag(parser, "--contacts", "also the contacts that the shapes and poses of objects give")
 
 
 def _serve(parser: Parser) -> None:
@@ -230,18 +194,70 @@ def _devices(parser: Parser) -> None:
 
 
 def _export(parser: Parser) -> None:
-    _add_scene(parser)
-    _add(parser, "--to", "FORMAT,...", FORMAT_NAMES, default="")
+    _add(
+        parser,
+        "files",
+        "FILE",
+        "a haptic scene (-: standard input), a Blender file, or parts of one or folders with them",
+        nargs="+",
+        type=Path,
+    )
+    _add(parser, "--to", "FORMAT,...", f"{FORMAT_NAMES} (wav)", default="wav")
     _add_folder(parser, "where the files are written; -: one file, to standard output")
     _add_format_options(parser)
-    _add(parser, "--seconds", "X", "how long a scene without frames is rendered (10)", default=10.0)
-    _add(parser, "--sample-rate", "HZ", "of the rendered tracks (8000)", default=8000)
     _flag(parser, "--losses", "only say what the formats can't carry")
-    _add_methods(parser, "only print")
+    _flag(
+        parser,
+        "--methods",
+        "also print a paragraph for a paper: program, settings, scene and its digest",
+    )
     _flag(
         parser,
         "--picture",
         "a picture beside each format that is read back: waves, spectra, difference",
+    )
+    scene = parser.add_argument_group("of a haptic scene")
+    _add(scene, "--seconds", "X", "how long a scene without frames is rendered (10)", type=_number)
+    _add(scene, "--sample-rate", "HZ", "of the tracks rendered from a scene (8000)", type=int)
+    blend = parser.add_argument_group("of a Blender file")
+    _add_frames(blend)
+    _add(
+        blend,
+        "--modes",
+        "MODE,...",
+        "HT, SD, MD, MN: played once in each (the scene's)",
+        default="",
+    )
+    _add(
+        blend,
+        "--set",
+        "PATH=VALUE",
+        'a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.threshold=0',
+        action="append",
+        default=[],
+    )
+    _add(
+        blend,
+        "--part",
+        "K/N|K-L/N",
+        "only write the K-th of N parts, or the K-th to the L-th: NAME.K-of-N.npz in the folder",
+        type=_part,
+    )
+    _flag(
+        blend,
+        "--from-start",
+        "trace a part from the first frame of the range, if the export of the parts demands it",
+    )
+    blend.add_argument(
+        "--progress",
+        choices=("bar", "openjd"),
+        default="bar",
+        help="a bar, if stderr is a terminal, or lines for workers of Open Job Description",
+    )
+    blend.add_argument(
+        "--job-template",
+        action=_JobTemplate,
+        help="print an Open Job Description of an export in parts",
     )
 
 
@@ -257,12 +273,22 @@ def _convert(parser: Parser) -> None:
         parser,
         "target",
         "OUT",
-        "its ending tells the format; some formats take one file per channel; -: standard output",
+        "its ending tells the format, .json the signal that a sound becomes; some formats take one "
+        "file per channel; -: standard output",
         type=Path,
     )
     _add_from(parser)
-    parser.add_argument("--to", choices=tuple(formats()), help="the format of - as a target")
+    parser.add_argument("--to", choices=(*formats(), "signal"), help="the format of - as a target")
     _add_format_options(parser)
+    sound = parser.add_argument_group("of a sound that becomes a signal")
+    _add(
+        sound,
+        "--carrier",
+        "HERTZ|pitch|DEVICE",
+        "a frequency, the sound's pitch, or a device's best (160)",
+    )
+    _add(sound, "--gate", "DB", "what is quieter makes no vibration (-40)", type=_number)
+    _add(sound, "--gain", "X", "factor on the amplitude (1)", type=_not_negative)
 
 
 def _add_from(parser: Parser) -> None:
@@ -308,76 +334,6 @@ def _engine(parser: Parser) -> None:
     _add(parser, "file", "FILE.blend", "Blender file with haptic objects")
     _add_folder(parser)
     _add_frames(parser)
-
-
-def _bake(parser: Parser) -> None:
-    _add(parser, "file", "FILE.blend", "Blender file with haptic objects, sources and listeners")
-    _add_frames(parser)
-    _add(
-        parser,
-        "--modes",
-        "MODE,...",
-        "HT, SD, MD, MN: played once in each (the scene's)",
-        default="",
-    )
-    _add(parser, "--to", "FORMAT,...", f"{FORMAT_NAMES} (wav)", default="wav")
-    _add_folder(parser)
-    _add(
-        parser,
-        "--set",
-        "PATH=VALUE",
-        'a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.threshold=0',
-        action="append",
-        default=[],
-    )
-    _add_format_options(parser)
-    _add_methods(parser, "also print")
-    _add(
-        parser,
-        "--part",
-        "K/N|K-L/N",
-        "only the K-th of N parts, or the K-th to the L-th, for merge: NAME.K-of-N.npz in the "
-        "folder",
-        type=_part,
-    )
-    parser.add_argument(
-        "--job-template",
-        action=_JobTemplate,
-        help="print an Open Job Description of a bake in parts",
-    )
-    parser.add_argument(
-        "--progress",
-        choices=("bar", "openjd"),
-        default="bar",
-        help="a bar, if stderr is a terminal, or lines for workers of Open Job Description",
-    )
-    _flag(
-        parser,
-        "--from-start",
-        "trace a part from the first frame of the range, if merge demands it",
-    )
-
-
-def _add_methods(parser: Parser, does: str) -> None:
-    _flag(
-        parser,
-        "--methods",
-        f"{does} a paragraph for a paper: program, settings, scene and its digest",
-    )
-
-
-def _merge(parser: Parser) -> None:
-    _add(
-        parser,
-        "parts",
-        "PARTS",
-        "all parts of one bake or of several, or folders with them",
-        nargs="+",
-        type=Path,
-    )
-    _add(parser, "--to", "FORMAT,...", f"{FORMAT_NAMES} (wav)", default="wav")
-    _add_folder(parser)
-    _add_format_options(parser)
 
 
 def _sweep(parser: Parser) -> None:
@@ -458,21 +414,11 @@ def _study(parser: Parser) -> None:
     _add(analyse, "folder", "DIR", "the folder of the study", type=Path)
 
 
-def _validate(parser: Parser) -> None:
-    _add(parser, "--out", "FOLDER", "write the page and its picture here", type=Path)
-
-
 SUBCOMMANDS: Mapping[str, Subcommand] = {
     "propagate": Subcommand(
         "Print the gains of a haptic scene file as one JSON object.",
         _propagate,
-        "haptic-tracing propagate bench.json --strategy energy_balance --felt",
-    ),
-    "contacts": Subcommand(
-        "Print the contacts of a haptic scene file, found from the shapes and poses of its "
-        "objects.",
-        _contacts,
-        "haptic-tracing contacts bench.json --tolerance 0.005",
+        "haptic-tracing propagate bench.json --felt --contacts",
     ),
     "serve": Subcommand(
         "Answer poses from an engine with what each listener feels, and play it on devices.",
@@ -491,9 +437,10 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "haptic-tracing devices test dualsense --seconds 5",
     ),
     "export": Subcommand(
-        "Write what the listeners of a haptic scene feel, in the formats of other programs.",
+        "Write what the listeners of a haptic scene or of a Blender file, which is played with its "
+        "physics, feel in the formats of other programs; of a Blender file also in parts.",
         _export,
-        "haptic-tracing export bench.json --to wav,haptic --out out --option wav.encoding=float32",
+        "haptic-tracing export bench.blend --to wav,hjif --frames 1:250 --modes HT,SD",
     ),
     "play": Subcommand(
         "Play any haptic file, or what the listeners of a scene feel, on the connected devices. "
@@ -501,14 +448,9 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         _play,
         "haptic-tracing play out/bench.wav --device dualsense",
     ),
-    "sound": Subcommand(
-        "Follow the level and the pitch of a sound and find its onsets, and write the vibration "
-        "as the signal of a source.",
-        _sound,
-        "haptic-tracing sound drum.wav --output drum.json --carrier pitch",
-    ),
     "convert": Subcommand(
-        "Convert a vibration, or a haptic scene, to the format that the new name ends in.",
+        "Convert a vibration, or a haptic scene, to the format that the new name ends in, or a "
+        "sound to the signal of a source.",
         _convert,
         "haptic-tracing convert - buzz.haptic --from wav < buzz.wav",
     ),
@@ -522,22 +464,10 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         _trace,
         "haptic-tracing trace bench.blend --out out --start 1 --end 48 --json",
     ),
-    "bake": Subcommand(
-        "Play a Blender file, physics included, and write what its listeners feel, in the "
-        "formats of other programs.",
-        _bake,
-        "haptic-tracing bake bench.blend --to wav,hjif --frames 1:250 --modes HT,SD",
-    ),
     "engine": Subcommand(
         "Write a Blender file as glTF, and its haptics with the same names.",
         _engine,
         "haptic-tracing engine bench.blend --out game/assets --frames 1:250",
-    ),
-    "merge": Subcommand(
-        "Merge the parts of a bake into tracks that are bit-identical to those of a bake without "
-        "parts.",
-        _merge,
-        "haptic-tracing merge parts --to wav,hjif --out out",
     ),
     "sweep": Subcommand(
         "Trace every combination of scenes, settings, materials and seeds of a study into one "
@@ -550,12 +480,6 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "Build the paper's first figure, play it in Blender and write what the avatar feels.",
         _demo,
         "haptic-tracing demo --out out",
-    ),
-    "validate": Subcommand(
-        "Compare attenuation, damping and energies with published measurements and printed "
-        "answers.",
-        _validate,
-        "haptic-tracing validate --out docs",
     ),
     "study": Subcommand(
         "Render the paper's ride in the four modes HT, SD, MD and MN and report how they differ; "
@@ -587,7 +511,7 @@ def _add_devices(parser: Parser, default: str = "") -> None:
     _add(parser, "--device", "NAME", about, action="append", default=[])
 
 
-def _add_frames(parser: Parser) -> None:
+def _add_frames(parser: Options) -> None:
     _add(parser, "--frames", "FIRST:LAST", "only these frames (the scene's)", type=_frame_range)
 
 
@@ -617,7 +541,7 @@ class _JobTemplate(argparse.Action):
                 f"--job-template: leave out {' '.join([*before, *after])}; the farm gives what "
                 "differs as parameters of the template"
             )
-        print((Path(__file__).parent / "bake.yaml").read_text(encoding="utf-8"), end="")
+        print((Path(__file__).parent / "export.yaml").read_text(encoding="utf-8"), end="")
         parser.exit()
 
 

@@ -1,5 +1,5 @@
 """``haptic-tracing convert IN OUT``: a vibration, or a haptic scene, from one format to another, by
-file name endings."""
+file name endings; or a sound to the signal of a source, as the add-on converts it."""
 
 from __future__ import annotations
 
@@ -7,16 +7,23 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from ..core.devices.profile_files import profile
 from ..core.formats import haptic_scene, registry
 from ..core.formats.export import Export
+from ..core.formats.io.atomic import write_text
 from ..core.formats.io.catalogue import named, track_formats
+from ..core.formats.io.json_text import compact
 from ..core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ..core.formats.tracks.vibration_file import Channel, VibrationFile
-from . import say
-from .export import chosen_options, may_replace, print_written
+from ..core.signals.felt_sound import Feel, felt_onsets, vibration
+from ..core.signals.sound import Clip, heard, mixed, outcome
+from ..core.signals.wav import WavFile
+from . import answer, say
+from .export import chosen_options, may_replace, report
 from .standard_streams import DASH, INPUT, OUTPUT, for_output, from_input, put_out
 
 SAMPLE_RATE = 8000
@@ -28,13 +35,48 @@ def run(args: argparse.Namespace) -> int:
     source, target = given(args.source, args.read_as), args.target
     if target == DASH:
         target = for_output(target, _suffix(OUTPUT, args.to, "--to"))
-    name, written = _converted(source, target, args.options)
+    if source.suffix.lower() == ".wav" and target.suffix.lower() == ".json":
+        name, written = "signal", _signal(source, target, args)
+    else:
+        for option in ("carrier", "gate", "gain"):
+            if getattr(args, option) is not None:
+                raise ValueError(f"--{option}: only where a sound (.wav) becomes a signal (.json)")
+        name, written = _converted(source, target, args.options)
     if args.target != DASH:
-        print_written({name: written}, args.stdout)
+        answer(args, report({name: written}))
         return 0
     put_out(written.files, args.stdout)
     say(written.losses)
     return 0
+
+
+def _signal(source: Path, target: Path, args: argparse.Namespace) -> registry.Written:
+    """Write the vibration that a sound becomes, as the signal of a source."""
+    chosen: dict[str, Any] = {
+        name: value for name in ("gate", "gain") if (value := getattr(args, name)) is not None
+    }
+    if args.carrier == "pitch":
+        chosen["pitch"] = True
+    elif args.carrier is not None:
+        chosen["frequency"] = _frequency(args.carrier)
+    feel = Feel(**chosen)
+    try:
+        with source.open("rb") as file:
+            found = outcome(heard(outcome(mixed((Clip(WavFile(file)),)))))
+        signal = vibration(found, feel)
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+    write_text(target, (compact(signal.to_dict()),))
+    say([f"{source.name}: {found.seconds:.2f} s, {len(felt_onsets(found, feel)[0])} onsets"])
+    return registry.Written((target,), ())
+
+
+def _frequency(carrier: str) -> float:
+    """A frequency [Hz], given as such or as the device that plays it best."""
+    try:
+        return float(carrier)
+    except ValueError:
+        return profile(carrier).best_frequency
 
 
 def given(path: Path, read_as: str | None) -> Path:
@@ -46,7 +88,7 @@ def _suffix(stream: str, name: str | None, flag: str) -> str:
     """The ending of the format of what is read from, or written to, ``-``."""
     if name is None:
         raise ValueError(f"{stream}: say its format by {flag}")
-    return ".json" if name == "scene" else named(name).suffix
+    return ".json" if name in ("scene", "signal") else named(name).suffix
 
 
 def _converted(source: Path, target: Path, options: list[str]) -> tuple[str, registry.Written]:

@@ -1,5 +1,5 @@
-"""``haptic-tracing export SCENE.json --to FORMATS --out FOLDER``: the listeners' tracks of a haptic
-scene in the formats of other programs."""
+"""``haptic-tracing export FILES --to FORMATS --out FOLDER``: what the listeners of a haptic scene
+or of a Blender file feel, in the formats of other programs."""
 
 from __future__ import annotations
 
@@ -8,78 +8,112 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TextIO
+from types import MappingProxyType
 
-from ..core.diagnosis.doubts import doubts
 from ..core.formats import registry
 from ..core.formats.export import Export
 from ..core.formats.io.catalogue import Value, formats, named, value_of
 from ..core.formats.io.file_names import file_stem
-from ..core.formats.tracks.track_recorder import TrackRecorder
 from ..core.forms import JsonObject
-from ..core.run_time import Scene, load
-from . import print_json, say
+from . import answer, command_module, say
 from .picture import check_matplotlib, write_picture
-from .silence import silent_listeners
 from .standard_streams import DASH, folder, put_out
 
-LONGEST = 3600.0
-"""Seconds."""
+_ONLY_OF: Mapping[str, tuple[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "scene": ("a haptic scene", ("seconds", "sample_rate")),
+        "blend": ("a Blender file", ("frames", "modes", "set", "part", "from_start")),
+    }
+)
+"""By the kind of a file what it is, and the arguments that concern no other."""
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read, render missing tracks, write, print. Returns exit code 0."""
-    if not args.to and not args.methods:
-        raise ValueError(f"--to: say at least one of {', '.join(formats())}")
-    names = chosen_formats(args.to) if args.to else []
-    chosen = chosen_options(args.options, names)
-    if not 0 < args.seconds <= LONGEST:
-        raise ValueError(
-            f"--seconds: must be above 0 and at most {LONGEST:g}, not {args.seconds:g}"
-        )
-    scene = load(args.scene)
-    export = scene.export
-    say(f"{args.scene}: {words}" for words in doubts(scene.content))
-    if args.methods:
-        if args.json:
-            print_json({"methods": export.methods()}, args.stdout)
-        else:
-            print(export.methods(), file=args.stdout)
-        return 0
-    if names != ["scene"]:
-        export = rendered(scene, args.seconds, args.sample_rate)
-    if args.losses:
-        losses = {name: registry.losses(name, export, chosen[name]) for name in names}
-        print_json({"losses": losses}, args.stdout)
-        return 0
-    names = writable(args.to, names, export, chosen)
-    if args.out == DASH:
-        return _put_out(export, names, chosen, args)
-    args.out.mkdir(parents=True, exist_ok=True)
+    """Read or play each file, write it in each format, and print the losses. Exit code 0."""
+    names = chosen_formats(args.to)
+    options = chosen_options(args.options, names)
+    kind = _kind_of(args.files)
+    for other, (what, arguments) in _ONLY_OF.items():
+        for name in arguments:
+            if other != kind and getattr(args, name) not in (None, "", [], False):
+                raise ValueError(f"--{name.replace('_', '-')}: only for {what}")
     if args.picture:
         check_matplotlib("--picture")
+    module = command_module(f"exported_{kind}")
+    if args.part:
+        answer(args, {"files": [str(path) for path in module.write_parts(args)]})
+        return 0
+    results = [_written(export, options, args) for export in module.exports(args, names)]
+    if args.out != DASH:
+        answer(args, {"exports": results})
+    return 0
+
+
+def _kind_of(files: Sequence[Path]) -> str:
+    """What the files are: a scene, a Blender file, or parts. Raises ValueError for several of the
+    former."""
+    if any(path.suffix == ".npz" or path.is_dir() for path in files):
+        return "parts"
+    if len(files) > 1:
+        raise ValueError(
+            f"{files[1]}: one scene or Blender file at a time; only parts (*.npz) are several"
+        )
+    return "blend" if files[0].suffix == ".blend" else "scene"
+
+
+def _written(
+    export: Export, options: Mapping[str, Mapping[str, Value]], args: argparse.Namespace
+) -> JsonObject:
+    """Write an export in each format, unless only its losses are asked for, and print both; the
+    same as JSON values."""
+    names = _writable(args.to, list(options), export, options)
+    result: JsonObject = {"name": export.name}
+    if args.losses:
+        losses = {name: registry.losses(name, export, options[name]) for name in names}
+        print_losses(losses)
+        return result | {"losses": losses}
+    to_stdout = args.out == DASH
+    target = folder() if to_stdout else args.out
+    target.mkdir(parents=True, exist_ok=True)
     written = {
-        name: registry.write(name, export, args.out, chosen[name], may_replace) for name in names
+        name: registry.write(name, export, target, options[name], may_replace) for name in names
     }
+    if to_stdout:
+        put_out([path for item in written.values() for path in item.files], args.stdout)
+        say(loss for item in written.values() for loss in item.losses)
+        return result
     if args.picture and export.tracks is not None:
         written = {
-            name: _with_picture(name, export, result, args.out) for name, result in written.items()
+            name: _with_picture(name, export, item, target) for name, item in written.items()
         }
-    print_written(written, args.stdout)
-    return 0
+    result |= report(written)
+    if args.methods:
+        result["methods"] = export.methods()
+        print(result["methods"])
+    return result
 
 
-def _put_out(
-    export: Export,
-    names: Sequence[str],
-    options: Mapping[str, Mapping[str, Value]],
-    args: argparse.Namespace,
-) -> int:
-    """Write the one file of an export to standard output, and what it loses to stderr."""
-    written = {name: registry.write(name, export, folder(), options[name]) for name in names}
-    put_out([path for result in written.values() for path in result.files], args.stdout)
-    say(loss for result in written.values() for loss in result.losses)
-    return 0
+def report(written: Mapping[str, registry.Written]) -> JsonObject:
+    """Print the files of each format and what is not in them; with what each listener loses, as
+    JSON values."""
+    files = [str(path) for item in written.values() for path in item.files]
+    losses = {name: item.losses for name, item in written.items()}
+    for file in files:
+        print(f"wrote {file}")
+    print_losses(losses)
+    listeners = {
+        name: [asdict(one) for one in item.fidelity.listeners]
+        for name, item in written.items()
+        if item.fidelity
+    }
+    return {"files": files, "losses": losses, "listeners": listeners}
+
+
+def print_losses(losses: Mapping[str, Sequence[str]]) -> None:
+    """Print what is not in the files of each format."""
+    for name, sentences in losses.items():
+        for sentence in sentences:
+            print(f"not in {name}: {sentence}")
 
 
 def may_replace(written: registry.Written) -> bool:
@@ -106,7 +140,7 @@ def chosen_formats(text: str) -> list[str]:
     return list(formats()) if text == "all" else list(dict.fromkeys(text.split(",")))
 
 
-def writable(
+def _writable(
     text: str, names: Sequence[str], export: Export, options: Mapping[str, Mapping[str, Value]]
 ) -> list[str]:
     """The formats ``names``, as chosen by ``text``; of ``all`` those that can be written, and a
@@ -122,22 +156,6 @@ def writable(
         else:
             found.append(name)
     return found
-
-
-def write_all(
-    export: Export,
-    args: argparse.Namespace,
-    options: Mapping[str, Mapping[str, Value]],
-) -> JsonObject:
-    """Write an export in each format, and print the files and what is not in them; `in_json`."""
-    written = {}
-    for name in writable(args.to, list(options), export, options):
-        written[name] = result = registry.write(name, export, args.out, options[name])
-        for path in result.files:
-            print(f"wrote {path}")
-        for loss in result.losses:
-            print(f"not in {name}: {loss}")
-    return in_json(written)
 
 
 def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str, Value]]:
@@ -161,36 +179,3 @@ def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str,
         except ValueError as error:
             raise ValueError(f"{setting}: {error}") from None
     return chosen
-
-
-def print_written(written: Mapping[str, registry.Written], file: TextIO) -> None:
-    """Print one JSON object: `in_json`."""
-    print_json(in_json(written), file)
-
-
-def in_json(written: Mapping[str, registry.Written]) -> JsonObject:
-    """The files of an export, their losses, and what each listener loses, as JSON values."""
-    files = [str(path) for result in written.values() for path in result.files]
-    losses = {name: result.losses for name, result in written.items()}
-    listeners = {
-        name: [asdict(item) for item in result.fidelity.listeners]
-        for name, result in written.items()
-        if result.fidelity
-    }
-    return {"files": files, "losses": losses, "listeners": listeners}
-
-
-def rendered(scene: Scene, seconds: float, sample_rate: int) -> Export:
-    """What a scene's file holds, with its tracks, which are rendered if it has none. Prints why a
-    listener feels nothing."""
-    export = scene.export
-    if export.tracks is not None or not scene.content.listeners:
-        return export
-    recorder, last = TrackRecorder(), None
-    for last in scene.frames(seconds, sample_rate):
-        recorder.add(last)
-    tracks = recorder.tracks()
-    if last is not None:
-        settings = scene.content.settings
-        say(f"{export.name}: {words}" for words in silent_listeners(tracks, last, settings))
-    return replace(export, tracks=tracks)

@@ -1,5 +1,5 @@
-"""``haptic-tracing bake FILE.blend --part K/N``: the K-th of N parts of a bake for `merge`, or
-``--part K-L/N``, the K-th to the L-th one after the other."""
+"""``haptic-tracing export FILE.blend --part K/N``: the K-th of N parts of a bake, or ``--part
+K-L/N``, the K-th to the L-th one after the other."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def write_parts_of(
             f"--part: {parts} parts of {frames[1] - frames[0] + 1} frames: there must be a frame "
             "in each"
         )
-    file = Path(args.file).resolve()
+    file = args.files[0].resolve()
     origin = Origin(
         name,
         str(file),

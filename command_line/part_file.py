@@ -1,5 +1,5 @@
-"""Parts of a bake as files: the active sources and gains of a range of frames, from which `merge`
-renders the same samples as a bake without parts.
+"""Parts of a bake as files: the active sources and gains of a range of frames, from which
+`exported_parts` renders the same samples as a bake without parts.
 
 An ``.npz`` archive without pickled objects: ``header``, JSON in UTF-8, and arrays.
 """

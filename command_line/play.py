@@ -20,7 +20,7 @@ from ..core.message import sentence
 from ..core.run_time import load
 from . import answer, say
 from .convert import given, is_scene, tracks_of
-from .export import rendered
+from .exported_scene import rendered
 from .keyboard import pressed_keys
 from .serve.stage import DeviceStage
 from .standard_streams import leave_in_order_when_ended

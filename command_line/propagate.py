@@ -55,11 +55,33 @@ def run(args: argparse.Namespace) -> int:
             for column in range(len(scene.content.listeners))
             for part in who_is_felt(sounding, column)
         ]
+    if args.contacts:
+        printed["contacts"] = contacts_of(scene)
     if felt:
         printed["modalities"] = {item.modality.name: felt_report(item) for item in felt}
     print_json(printed, args.stdout)
     say(f"{args.scene}: {words}" for words in _unreached(scene, result))
     return 0
+
+
+def contacts_of(scene: Scene) -> list[JsonObject]:
+    """The contacts that shapes and poses give, in the form of the scene file, each with its signed
+    ``distance`` [m]."""
+    contacts = scene.contacts_found()
+    names = [item.name for item in scene.content.objects]
+    return [
+        {
+            "objects": [names[a], names[b]],
+            "positions": contacts.positions[i].tolist(),
+            "transmission": {"function": "identity"},
+            "area": float(contacts.area[i]),
+            "normal": contacts.normal[i].tolist(),
+            "depth": float(contacts.depth[i]),
+            "distance": float(contacts.distance[i]),
+            "weight": float(contacts.weight[i]),
+        }
+        for i, (a, b) in enumerate(contacts.pairs.tolist())
+    ]
 
 
 def _unreached(scene: Scene, result: Propagation) -> list[str]:

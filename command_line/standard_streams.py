@@ -18,7 +18,7 @@ from typing import NoReturn, TextIO
 
 DASH = Path("-")
 INPUT, OUTPUT = "standard input", "standard output"
-INPUTS = {"scene": ".json", "sound": ".wav"}
+INPUTS = {"scene": ".json"}
 """The arguments of commands that may be ``-``, and the suffix of what then comes in."""
 MAX_BYTES = 1 << 30
 _CHUNK = 1 << 20

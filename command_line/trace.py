@@ -47,7 +47,7 @@ def start_blender() -> None:
     atexit.register(unregister)
 
 
-def open_file(file: str) -> Scene:
+def open_file(file: str | Path) -> Scene:
     """Open a Blender file without running its scripts, and return its scene. Raises ValueError if
     it cannot be opened."""
     path = Path(file).resolve()

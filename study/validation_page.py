@@ -68,7 +68,7 @@ GAPS = (
 
 INTRODUCTION = """# Validation: the model beside what was measured
 
-`make validate` (`haptic-tracing validate --out docs`) computes this page. What a comparison is worth stands under *kind*:
+`make validate` computes this page. What a comparison is worth stands under *kind*:
 
 - **held out**: nothing in the model was chosen with it, and its numbers were read in their source or a transcription.
 - **fit**: a number was fitted to some places; the others judge.

@@ -30,7 +30,7 @@ def main() -> None:
         scene = folder / "Mine Ride.blend"
         for arguments in (
             ["sample", "mine_ride", "--output", scene],
-            ["bake", scene, "--to", "web", "--out", folder],
+            ["export", scene, "--to", "web", "--out", folder],
         ):
             subprocess.run(
                 [sys.executable, "-m", "haptic_tracing", *arguments], cwd=folder, check=True

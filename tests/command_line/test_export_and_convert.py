@@ -39,9 +39,11 @@ def scene_file(tmp_path):
 
 
 def run(capsys, *arguments):
-    code = main([str(argument) for argument in arguments])
+    """The exit code, the JSON, and what is said beside the files and losses."""
+    code = main([*(str(argument) for argument in arguments), "--json"])
     out, err = capsys.readouterr()
-    return code, out, err
+    lines = [line for line in err.splitlines(True) if not line.startswith(("wrote ", "not in "))]
+    return code, out, "".join(lines)
 
 
 @pytest.mark.slow
@@ -59,7 +61,9 @@ def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_
     )
     code, out, err = run(capsys, *arguments)
     assert (code, err) == (0, "")
-    pictures = sorted(name for name in json.loads(out)["files"] if name.endswith(".png"))
+    pictures = sorted(
+        name for name in json.loads(out)["exports"][0]["files"] if name.endswith(".png")
+    )
     assert pictures == [str(tmp_path / "out" / f"bench.{name}.png") for name in ("haptic", "wav")]
     with Image.open(pictures[1]) as picture:
         pixels = np.asarray(picture.convert("RGB"), dtype=float)
@@ -91,7 +95,7 @@ def test_lost_onsets_are_in_the_text_the_json_and_the_picture(capsys, tmp_path):
         capsys, "export", tmp_path / "bench.json", "--to", "wyvrn", "--out", tmp_path, "--picture"
     )
     assert (code, err) == (0, "")
-    printed = json.loads(out)
+    (printed,) = json.loads(out)["exports"]
     back, seat = printed["listeners"]["wyvrn"]
     assert (back["name"], seat["name"]) == ("back", "seat") and back["level"] > 3
     assert back["missing"] == [2.5] and len(back["invented"]) == 1
@@ -133,6 +137,7 @@ def test_a_terminal_is_asked_before_a_poor_copy_replaces_a_file(tmp_path, answer
         "convert",
         str(tmp_path / "noise.wav"),
         str(target),
+        "--json",
     ]
     with subprocess.Popen(
         command, stdin=terminal, stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -151,7 +156,7 @@ def test_export_to_all_formats(capsys, scene_file, tmp_path):
         capsys, "export", scene_file, "--to", "all", "--out", tmp_path / "out", "--seconds", "1"
     )
     assert (code, err) == (0, "")
-    printed = json.loads(out)
+    (printed,) = json.loads(out)["exports"]
     files = [tmp_path / name for name in printed["files"]]
     assert all(path.is_file() for path in files) and set(printed["losses"]) == set(
         catalogue.formats()
@@ -194,7 +199,8 @@ def test_all_formats_are_those_that_can_be_written(capsys, tmp_path):
         "0.1",
     )
     assert code == 0 and err.count("\n") == 1 and err.startswith("tact: ") and "body part" in err
-    assert set(json.loads(out)["losses"]) == set(catalogue.formats()) - {"tact"} and not list(
+    (printed,) = json.loads(out)["exports"]
+    assert set(printed["losses"]) == set(catalogue.formats()) - {"tact"} and not list(
         (tmp_path / "out").glob("*.tact")
     )
     code, _, err = run(
@@ -299,7 +305,7 @@ def test_losses_alone_write_nothing(capsys, scene_file, tmp_path):
     )
     assert (
         code == 0
-        and set(json.loads(out)["losses"]) == {"hjif", "tact"}
+        and set(json.loads(out)["exports"][0]["losses"]) == {"hjif", "tact"}
         and not (tmp_path / "out").exists()
     )
 
@@ -400,7 +406,8 @@ def test_what_is_wrong_is_said_in_one_line(capsys, scene_file, tmp_path):
             ["export", scene_file, "--to", "wav", *out, "--sample-rate", "7"],
             "sample_rate: must be from 100",
         ),
-        (["export", scene_file], "--to: say at least one of scene, wav,"),
+        (["export", scene_file, scene_file], "one scene or Blender file at a time"),
+        (["export", scene_file, "--frames", "1:9"], "--frames: only for a Blender file"),
         (["convert", scene_file, tmp_path / "a.wav"], "to render it, use export"),
         (["convert", broken, tmp_path / "a.json"], f"{broken}: /objects/0/kappa"),
         (["convert", tmp_path / "a.mid", tmp_path / "a.wav"], "can't be imported"),

@@ -1,4 +1,4 @@
-"""The Open Job Description of a bake, checked and run by the reference implementation of the
+"""The Open Job Description of an export, checked and run by the reference implementation of the
 specification."""
 
 import os
@@ -13,7 +13,7 @@ from haptic_tracing.command_line import main
 from haptic_tracing.sample_scenes import build_sample
 
 pytest.importorskip("openjd.cli", reason="openjd-cli is not installed")
-TEMPLATE = Path(haptic_tracing.__file__).parent / "command_line" / "bake.yaml"
+TEMPLATE = Path(haptic_tracing.__file__).parent / "command_line" / "export.yaml"
 
 
 def openjd(*arguments, folder=None):
@@ -43,20 +43,20 @@ def test_the_template_is_valid_and_has_a_task_per_part():
 @pytest.mark.parametrize(
     ("given", "left_out"),
     [
-        (["a.blend", "--frames", "1:9", "--job-template"], "leave out file frames;"),
+        (["a.blend", "--frames", "1:9", "--job-template"], "leave out files frames;"),
         (["--job-template", "--to", "hjif"], "leave out --to hjif;"),
     ],
 )
 def test_arguments_that_the_template_does_not_take_are_refused(capsys, given, left_out):
-    assert main(["bake", *given]) == 2
+    assert main(["export", *given]) == 2
     told = capsys.readouterr()
     assert left_out in told.err and not told.out
-    assert main(["bake", "--job-template"]) == 0
+    assert main(["export", "--job-template"]) == 0
     assert capsys.readouterr().out == TEMPLATE.read_text("utf-8")
 
 
 @pytest.mark.slow
-def test_a_bake_run_as_a_job_is_the_bake(tmp_path):
+def test_an_export_run_as_a_job_is_the_export(tmp_path):
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     haptic_tracing.register()
     try:

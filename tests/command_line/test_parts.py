@@ -1,4 +1,4 @@
-"""Parts of a bake against the bake in one go, to the bit; and what `merge` says of parts that don't
+"""Parts of a bake against the bake in one go, to the bit; and what `export` says of parts that don't
 add up."""
 
 import json
@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.session import session, timeline
-from haptic_tracing.command_line import build_parser, main, merge, part
+from haptic_tracing.command_line import build_parser, exported_parts, main, part
 from haptic_tracing.command_line.part_file import (
     HeardFrame,
     Origin,
@@ -62,7 +62,7 @@ def origin_of(name, last, parts):
 
 
 def baked_part(runs, origin, number, start):
-    """A part as `bake --part` traces it: from ``start``."""
+    """A part as `export --part` traces it: from ``start``."""
     first, last = origin.range_of(number)
     own = runs[start]
     frames = tuple(own.frames[frame] for frame in range(first, last + 1))
@@ -124,8 +124,10 @@ def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
                 s.kind is SourceKind.TEMPORARY and s.onset < at_cut.time - 0.05
                 for s in at_cut.sources
             )
-        merged = merge._tracks(
-            merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])[name]
+        merged = exported_parts._tracks(
+            exported_parts._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])[
+                name
+            ]
         )
         assert merged.samples.tobytes() == runs[1].tracks.samples.tobytes()
         for one, other in zip(merged.listeners, runs[1].tracks.listeners, strict=True):
@@ -181,8 +183,10 @@ def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(
             write_part(
                 baked_part(runs, origin, number, starts[parts, number]), tmp_path / f"{number}.npz"
             )
-        merged = merge._tracks(
-            merge._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])["slides"]
+        merged = exported_parts._tracks(
+            exported_parts._bakes([tmp_path / f"{number}.npz" for number in range(1, parts + 1)])[
+                "slides"
+            ]
         )
         assert merged.samples.tobytes() == whole.tracks.samples.tobytes()
     if scene_start == frames[0]:
@@ -209,7 +213,14 @@ def hammer(falling):
     and 30."""
     for number in (1, 2):
         args = build_parser().parse_args(
-            ["bake", str(falling / "hammer.blend"), "--part", f"{number}/2", "--out", str(falling)]
+            [
+                "export",
+                str(falling / "hammer.blend"),
+                "--part",
+                f"{number}/2",
+                "--out",
+                str(falling),
+            ]
         )
         part.write_parts_of(bpy.context.scene, args, "hammer", (1, 30))
     return falling
@@ -222,14 +233,14 @@ def parts_in(hammer, folder):
 
 @pytest.mark.slow
 def test_merged_files_are_those_of_the_bake(hammer, tmp_path, capsys):
-    assert main(["merge", *parts_in(hammer, tmp_path), "--out", str(tmp_path)]) == 0
+    assert main(["export", *parts_in(hammer, tmp_path), "--out", str(tmp_path)]) == 0
     assert (tmp_path / "hammer.wav").read_bytes() == (hammer / "addon.wav").read_bytes()
 
 
 @pytest.mark.slow
 def test_another_process_keeps_a_part_that_is_there(hammer):
     done = run(
-        "bake", hammer / "hammer.blend", "--frames", "1:30", "--out", hammer, "--part", "2/2"
+        "export", hammer / "hammer.blend", "--frames", "1:30", "--out", hammer, "--part", "2/2"
     )
     assert done.returncode == 0 and "kept" in done.stdout
 
@@ -240,7 +251,7 @@ def test_parts_that_do_not_add_up_are_named(hammer, tmp_path, capsys):
     known = read_part(Path(second))
 
     def said(*parts):
-        assert main(["merge", *map(str, parts), "--out", str(tmp_path / "out")]) == 2
+        assert main(["export", *map(str, parts), "--out", str(tmp_path / "out")]) == 2
         assert not (tmp_path / "out").exists()
         return capsys.readouterr().err
 
@@ -269,7 +280,7 @@ def test_damaged_parts_are_named(hammer, tmp_path, capsys):
     flipped = whole[:200] + bytes([whole[200] ^ 1]) + whole[201:]
     for damaged in (b"", whole[: len(whole) // 2], flipped, b"PK" + whole[:100]):
         Path(second).write_bytes(damaged)
-        assert main(["merge", first, second, "--out", str(tmp_path / "out")]) == 2
+        assert main(["export", first, second, "--out", str(tmp_path / "out")]) == 2
         assert f"{second}: no part of a bake, or damaged" in capsys.readouterr().err
 
 

@@ -1,4 +1,4 @@
-"""``haptic-tracing sound``: a WAV file as the signal of a source."""
+"""``haptic-tracing convert`` of a sound: a WAV file as the signal of a source."""
 
 import json
 import wave
@@ -23,11 +23,8 @@ def sound(tmp_path):
 
 def test_a_sound_becomes_the_signal_of_a_source(sound, tmp_path, capsys):
     path, onsets = sound
-    assert (
-        main(["sound", str(path), "--output", str(tmp_path / "signal.json"), "--carrier", "200"])
-        == 0
-    )
-    assert f"{len(onsets)} onsets" in capsys.readouterr().out
+    assert main(["convert", str(path), str(tmp_path / "signal.json"), "--carrier", "200"]) == 0
+    assert f"{len(onsets)} onsets" in capsys.readouterr().err
     carrier, bursts = signal_from_dict(json.loads((tmp_path / "signal.json").read_text())).of
     assert carrier.of[1].frequency == 200.0
     starts = np.unique(bursts.of[0].automation.times)
@@ -38,17 +35,7 @@ def test_the_carrier_may_be_the_pitch_or_that_of_a_device(sound, tmp_path):
     path, _ = sound
     for carrier, burst in (("pitch", 160.0), ("switch-pro", 320.0)):
         assert (
-            main(
-                [
-                    "sound",
-                    str(path),
-                    "--output",
-                    str(tmp_path / "signal.json"),
-                    "--carrier",
-                    carrier,
-                ]
-            )
-            == 0
+            main(["convert", str(path), str(tmp_path / "signal.json"), "--carrier", carrier]) == 0
         )
         signal = signal_from_dict(json.loads((tmp_path / "signal.json").read_text()))
         assert burst in signal.of[1].of[1].frequency.values
@@ -57,10 +44,12 @@ def test_the_carrier_may_be_the_pitch_or_that_of_a_device(sound, tmp_path):
 def test_what_is_wrong_is_said(sound, tmp_path, capsys):
     path, _ = sound
     for arguments, fault in (
-        ([str(path), "--carrier", "none"], "none"),
-        ([str(path), "--gate", "0"], "louder than the gate"),
-        ([str(tmp_path / "missing.wav")], "missing.wav"),
+        (["knocks.wav", "signal.json", "--carrier", "none"], "none"),
+        (["knocks.wav", "signal.json", "--gate", "0"], "louder than the gate"),
+        (["missing.wav", "signal.json"], "missing.wav"),
+        (["knocks.wav", "knocks.hjif", "--gain", "2"], "--gain: only where a sound"),
     ):
-        assert main(["sound", *arguments, "--output", str(tmp_path / "signal.json")]) == 2
+        files = [str(path.with_name(name)) for name in arguments[:2]]
+        assert main(["convert", *files, *arguments[2:]]) == 2
         assert fault in capsys.readouterr().err
     assert not (tmp_path / "signal.json").exists()

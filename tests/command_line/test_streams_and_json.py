@@ -83,9 +83,9 @@ def sound(tmp_path):
     return tmp_path / "tone.wav"
 
 
-@pytest.mark.parametrize("name", ["propagate", "contacts"])
-def test_a_scene_comes_from_standard_input(scene, piped, name):
-    by_name, by_pipe = piped(name, scene), piped(name, "-", given=scene.read_bytes())
+def test_a_scene_comes_from_standard_input(scene, piped):
+    by_name = piped("propagate", scene)
+    by_pipe = piped("propagate", "-", given=scene.read_bytes())
     assert by_name[0] == by_pipe[0] == 0
 
     def result(text):
@@ -176,8 +176,10 @@ def test_what_is_played_comes_from_a_pipe(sound, piped, arguments, given, messag
 
 
 def test_a_sound_becomes_a_signal_in_a_pipe(sound, piped, tmp_path):
-    code, text, _ = piped("sound", "-", "--output", "-", given=sound.read_bytes())
-    assert piped("sound", sound, "--output", tmp_path / "signal.json")[0] == 0
+    code, text, _ = piped(
+        "convert", "-", "-", "--from", "wav", "--to", "signal", given=sound.read_bytes()
+    )
+    assert piped("convert", sound, tmp_path / "signal.json")[0] == 0
     assert code == 0
     assert json.loads(text) == json.loads((tmp_path / "signal.json").read_text())
 
@@ -185,14 +187,14 @@ def test_a_sound_becomes_a_signal_in_a_pipe(sound, piped, tmp_path):
 @pytest.mark.parametrize(
     "name",
     [
-        *("sound", "devices", "validate", "export", "propagate"),
+        *("convert", "devices", "export", "propagate"),
         pytest.param("sample", marks=pytest.mark.slow),
     ],
 )
 def test_with_json_stdout_is_one_object(name, scene, sound, piped, tmp_path):
     """Blender's own lines would be beside it in a process alone."""
     arguments = {
-        "sound": [sound, "--output", tmp_path / "signal.json"],
+        "convert": [sound, tmp_path / "signal.json"],
         "devices": ["encode", "dualsense", "--left", "0.5"],
         "export": [scene, "--to", "wav", "--out", tmp_path, "--seconds", "0.1"],
         "propagate": [scene],
@@ -219,16 +221,15 @@ def test_blenders_own_lines_are_not_in_the_result(command, tmp_path, capsys):
     assert code == 0 and result["frame"] == 20 and result["gains"], err
     assert [Path(name).name for name in result["files"]] == ["hammer.json", "hammer.wav"]
     code, out, err = program(
-        "bake", tmp_path / "hammer.blend", "--frames", "1:10", "--out", tmp_path
+        "export", tmp_path / "hammer.blend", "--frames", "1:10", "--out", tmp_path
     )
     assert code == 0, err
     assert all(line.startswith((b"wrote ", b"not in ")) for line in out.splitlines()), out
     capsys.readouterr()
-    command("bake", tmp_path / "hammer.blend", "--frames", "1:10", "--json", "--out", tmp_path)
-    (bake,) = json.loads(capsys.readouterr().out)[
-        "bakes"
-    ]  # hammer.wav, and hammer.wav.json, which describes it
-    assert bake["files"][0] == str(tmp_path / "hammer.wav")
+    command("export", tmp_path / "hammer.blend", "--frames", "1:10", "--json", "--out", tmp_path)
+    (export,) = json.loads(capsys.readouterr().out)["exports"]
+    # hammer.wav, and hammer.wav.json, which describes it
+    assert export["files"][0] == str(tmp_path / "hammer.wav")
 
 
 def test_the_version_is_said(capsys):

@@ -284,7 +284,7 @@ MESSAGES = (
 )  # fmt: skip
 
 
-COMMANDS = ("propagate", "contacts", "convert", "export", "sound")
+COMMANDS = ("propagate", "convert", "export")
 FILES = {
     "scene.json": (CORPUS / "good-scene.json").read_bytes(),
     "track.hjif": (CORPUS / "good.hjif").read_bytes(),
@@ -292,14 +292,14 @@ FILES = {
 LINES = (
     "propagate scene.json --strategy all_paths --tolerance 0.1",
     "propagate scene.json --max-connections 3 --threshold 0.01 --felt",
-    "contacts scene.json",
+    "propagate scene.json --contacts",
     "convert track.hjif out.wav",
     "convert track.hjif out.ahap",
     "export scene.json --to hjif,wav --out out",
     "devices encode dualsense --transport bt --left 0.5 --right 0.25 --sequence 3",
-    "bake ride.blend --frames 1:36 --part 1/20 --out parts --to wav",
+    "export ride.blend --frames 1:36 --part 1/20 --out parts --to wav",
     "sweep study.toml --workers 2 --out out",
-    "merge parts --to wav,hjif --out out",
+    "export parts --to wav,hjif --out out",
 )
 SWEEP = """scenes = ["bench.blend"]
 frames = [1, 12]

@@ -1,4 +1,4 @@
-"""``haptic-tracing contacts`` on files: closed forms, the form of the scene file again, and errors
+"""``haptic-tracing propagate --contacts`` on files: closed forms, the form of the scene file again, and errors
 on one line."""
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ SHAPES = {
 def scene_file(tmp_path):
     """Writes a scene file of some of the shapes; its path."""
 
-    def written(names=tuple(SHAPES), **changes):
+    def written(names=tuple(SHAPES), tolerance=0.01, **changes):
         objects = [
             {
                 "name": name,
@@ -35,7 +35,15 @@ def scene_file(tmp_path):
         path = tmp_path / "scene.json"
         empty = {"contacts": [], "sources": [], "listeners": []}
         path.write_text(
-            json.dumps({"format": "haptic-scene", "version": "1.1", "objects": objects, **empty})
+            json.dumps(
+                {
+                    "format": "haptic-scene",
+                    "version": "1.1",
+                    "rules": {"tolerance": tolerance},
+                    "objects": objects,
+                    **empty,
+                }
+            )
         )
         return path
 
@@ -43,7 +51,7 @@ def scene_file(tmp_path):
 
 
 def test_contacts_with_their_distances(scene_file, capsys):
-    assert main(["contacts", str(scene_file())]) == 0
+    assert main(["propagate", str(scene_file()), "--contacts"]) == 0
     found = {
         contact["objects"][1]: contact
         for contact in json.loads(capsys.readouterr().out)["contacts"]
@@ -59,17 +67,17 @@ def test_contacts_with_their_distances(scene_file, capsys):
 
 
 def test_tolerance_decides_what_touches(scene_file, capsys):
-    for tolerance, count in (("0", 1), ("0.004", 2), ("0.005001", 3), ("0.02", 4)):
-        assert main(["contacts", str(scene_file()), "--tolerance", tolerance]) == 0
+    for tolerance, count in ((0.0, 1), (0.004, 2), (0.005001, 3), (0.02, 4)):
+        assert main(["propagate", str(scene_file(tolerance=tolerance)), "--contacts"]) == 0
         # The cone stands exactly on the floor, up to rounding.
         assert len(json.loads(capsys.readouterr().out)["contacts"]) - count in (
-            (0, 1) if tolerance == "0" else (0,)
+            (0, 1) if tolerance == 0 else (0,)
         )
 
 
 def test_output_is_a_scene_file(scene_file, capsys, tmp_path):
     path = scene_file()
-    main(["contacts", str(path)])
+    main(["propagate", str(path), "--contacts"])
     contacts = json.loads(capsys.readouterr().out)["contacts"]
     document = json.loads(path.read_text())
     document["contacts"] = [
@@ -80,18 +88,17 @@ def test_output_is_a_scene_file(scene_file, capsys, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changes", "arguments", "word"),
+    ("changes", "word"),
     [
-        ({"ball": {"radius": -1}}, [], "/objects/1/shape/radius"),
-        ({"ball": {"type": "blob"}}, [], "/objects/1/shape"),
-        ({"floor": {"size": [1, 2]}}, [], "/objects/0/shape/size"),
-        ({}, ["--tolerance", "nan"], "--tolerance"),
-        ({}, ["--tolerance", "-1"], "--tolerance"),
+        ({"ball": {"radius": -1}}, "/objects/1/shape/radius"),
+        ({"ball": {"type": "blob"}}, "/objects/1/shape"),
+        ({"floor": {"size": [1, 2]}}, "/objects/0/shape/size"),
+        ({"tolerance": -1}, "/rules/tolerance"),
     ],
 )
-def test_errors_are_one_line_and_code_2(scene_file, capsys, changes, arguments, word):
+def test_errors_are_one_line_and_code_2(scene_file, capsys, changes, word):
     try:
-        code = main(["contacts", str(scene_file(**changes)), *arguments])
+        code = main(["propagate", str(scene_file(**changes)), "--contacts"])
     except SystemExit as exit_:
         code = exit_.code
     output, error = capsys.readouterr()

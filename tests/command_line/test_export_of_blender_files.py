@@ -1,4 +1,4 @@
-"""``bake`` and ``trace`` of Blender files as they are typed, against what the add-on exports of the
+"""``export`` and ``trace`` of Blender files as they are typed, against what the add-on exports of the
 same file."""
 
 import bpy
@@ -12,9 +12,16 @@ FRAMES = "1:30"
 
 
 @pytest.mark.slow
-def test_bake_equals_the_add_ons_export_to_the_bit(falling, tmp_path):
+def test_export_equals_that_of_the_add_on_to_the_bit(falling, tmp_path):
     done = run(
-        "bake", falling / "hammer.blend", "--frames", FRAMES, "--to", "wav,scene", "--out", tmp_path
+        "export",
+        falling / "hammer.blend",
+        "--frames",
+        FRAMES,
+        "--to",
+        "wav,scene",
+        "--out",
+        tmp_path,
     )
     assert done.returncode == 0, done.stderr
     assert [line for line in done.stdout.splitlines() if line.startswith("wrote")] == [
@@ -30,7 +37,7 @@ def test_modes_and_settings(falling, command, tmp_path):
     settings = ["--set", "scene.haptics.threshold=0", "--set", 'objects["Hammer"].haptics.kappa=1']
     assert (
         command(
-            "bake",
+            "export",
             falling / "hammer.blend",
             "--frames",
             FRAMES,
@@ -58,7 +65,7 @@ def test_modes_and_settings(falling, command, tmp_path):
 )
 def test_bad_arguments_are_one_line_and_write_nothing(tmp_path, capsys, arguments, said):
     assert (
-        main(["bake", str(tmp_path / "hammer.blend"), "--out", str(tmp_path / "out"), *arguments])
+        main(["export", str(tmp_path / "hammer.blend"), "--out", str(tmp_path / "out"), *arguments])
         == 2
     )
     message = capsys.readouterr().err
@@ -72,7 +79,7 @@ def test_a_property_that_is_not_in_the_file_is_one_line_and_writes_nothing(
 ):
     assert (
         command(
-            "bake",
+            "export",
             falling / "hammer.blend",
             "--out",
             tmp_path / "out",

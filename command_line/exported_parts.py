@@ -1,5 +1,4 @@
-"""``haptic-tracing merge PARTS --out FOLDER``: merges the parts of a bake, with bit-identical
-results to a bake without parts."""
+"""The export of the parts of a Blender file's bake, bit-identical to the export without parts."""
 
 from __future__ import annotations
 
@@ -16,8 +15,7 @@ from ..core.render.arrival import arriving
 from ..core.render.frame_result import Sounding
 from ..core.render.mixdown import Mixdown
 from ..core.render.renderer import sample_index
-from . import answer, say
-from .export import chosen_formats, chosen_options, write_all
+from . import say
 from .part_file import HeardFrame, Origin, Part, checksum_of, read_part
 
 _MOST_NAMED = 20
@@ -31,31 +29,21 @@ _SAME = {
 }
 
 
-def run(args: argparse.Namespace) -> int:
-    """Read, check that all parts are there and continue each other, render, write. Exit code 0."""
-    formats = chosen_formats(args.to)
-    options = chosen_options(args.options, formats)
+def exports(args: argparse.Namespace, formats: Sequence[str]) -> Iterator[Export]:
+    """The tracks of each bake, once all its parts are there and continue each other."""
     if "scene" in formats:
         raise ValueError(
-            "--to: parts carry what is felt, not the scene itself: write that by bake without "
+            "--to: parts carry what is felt, not the scene itself: write that by export without "
             "--part"
         )
-    bakes = _bakes(args.parts)
-    args.out.mkdir(parents=True, exist_ok=True)
-    results = []
-    for name, parts in bakes.items():
+    for name, parts in _bakes(args.files).items():
         tracks = _tracks(parts)
         say(
             f"{name}: '{item.name}' feels nothing"
             for row, item in enumerate(tracks.listeners)
             if not tracks.samples[row].any()
         )
-        export = Export(
-            name, tracks=tracks if tracks.listeners else None, origin=parts[0].provenance
-        )
-        results.append({"name": name, **write_all(export, args, options)})
-    answer(args, {"bakes": results})
-    return 0
+        yield Export(name, tracks=tracks if tracks.listeners else None, origin=parts[0].provenance)
 
 
 def _bakes(paths: Sequence[Path]) -> dict[str, list[Part]]:
