@@ -91,7 +91,7 @@ def _add_nail(scene: Scene, steel: Material) -> None:
         16,
     )
     nail = place(scene, "Nail", shape, (steel,), NAIL)
-    make_moving(scene, nail, STEEL, 0.02)
+    make_static(scene, nail, STEEL)
     start = nail.location.copy()
     heights: dict[float, float] = {1.0: start.z}
     for number, frame in enumerate(STRIKES, 1):

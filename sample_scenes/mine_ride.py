@@ -92,6 +92,7 @@ WALL_BOTTOM, WALL_TOP, WALL_HALF_WIDTH, WALL_THICKNESS = 1.08, 2.65, 1.45, 0.35
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES, FRAME_RATE)
+    scene.haptics.impact_energy = "as_in_the_paper"
     scene.haptics.maximum_energy = FULL_ENERGY
     add_rigid_body_world(scene, FRAMES)
     add_ground(scene, BRIDGE, CROSSINGS)

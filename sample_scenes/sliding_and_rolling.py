@@ -49,7 +49,6 @@ WHEEL, TRACK_Y, TRACK_X = 0.3, 1.40, (-2.2, 2.2)
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
-    scene.haptics.impact_energy = "normal"
     add_rigid_body_world(scene, FRAMES)
     for name, (first, _) in SECTIONS.items():
         scene.timeline_markers.new(name, frame=first)

@@ -174,9 +174,10 @@ class HAPTIC_OT_set_model(Edit):
         scene = context.scene
         objects = [obj for obj in editable(with_instanced(scene.objects)) if obj.haptics.enabled]
         if self.model == "PAPER":
-            scene.haptics.strategy = "as_in_the_paper"
+            scene.haptics.strategy = scene.haptics.impact_energy = "as_in_the_paper"
             known = library.use_paper(scene, objects)
         else:
+            scene.haptics.impact_energy = "effective"
             if scene.haptics.strategy == "as_in_the_paper":
                 scene.haptics.strategy = "auto"
             known = library.use_physical(scene, objects, self.in_a_building)

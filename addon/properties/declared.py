@@ -118,7 +118,9 @@ def property_of(declaration: Declaration, default: Any = None, more: Form = _NOT
 
 def _limits(declaration: Number) -> dict[str, Any]:
     limits: dict[str, Any] = {
-        "min": _LEAST if declaration.above and not declaration.low else declaration.low,
+        "min": _LEAST
+        if declaration.above and not declaration.low and not declaration.optional
+        else declaration.low,
         "max": declaration.high,
     }
     if declaration.soft is not None:
@@ -150,7 +152,7 @@ def _held_as(declaration: Declaration, value: Any) -> Any:
         case Number(whole=True):
             return int(min(max(value or 0, declaration.low), declaration.high))
         case Number():
-            return _nearest(declaration, value)
+            return _nearest(declaration, value or 0.0)
         case Text():
             return value or declaration.shown or ""
         case Curve():

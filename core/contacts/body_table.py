@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
+from ..scene.rules import full_energy_of
 from .narrow.frames import turned
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, Motion
@@ -31,6 +32,8 @@ class BodyTable:
         rest_limits: (12, n) changes of the elements of a pose that count as rest.
         mass: (n,) [kg], 0 of a body without.
         dynamic: (n,) which bodies a simulation moves.
+        movable: (n,) which bodies yield to a blow: they have a mass, and move or are moved.
+        full_energy: of blows of full strength where no rule says which that is [J].
         medium: (n,) which bodies are volumes of air or water.
         layers: (n,) in which bodies are struck, see `Body.struck_in`.
         passing: (q,) keys of the pairs that pass through each other, ascending.
@@ -53,6 +56,9 @@ class BodyTable:
         self.mass = np.array([body.mass or 0.0 for body in bodies], dtype=np.float64)
         self.dynamic = np.array([body.motion is Motion.DYNAMIC for body in bodies], dtype=np.bool_)
         self.medium = np.array([body.medium for body in bodies], dtype=np.bool_)
+        static = np.array([body.motion is Motion.STATIC for body in bodies], dtype=np.bool_)
+        self.movable = (self.mass > 0) & ~static & ~self.medium
+        self.full_energy = full_energy_of(self.mass[self.movable].tolist())
         self.layers = np.array([body.struck_in for body in bodies], dtype=np.int64)
         number = {body.name: k for k, body in enumerate(bodies)} if passing else {}
         pairs = [[number[one], number[two]] for one, two in passing if {one, two} <= number.keys()]

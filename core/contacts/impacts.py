@@ -7,7 +7,7 @@ poses at the end of the interval.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from functools import cache
 
@@ -17,7 +17,6 @@ from ..arrays import BoolArray, FloatArray, IntArray
 from ..frozen import frozen
 from .motion import Paths
 from .narrow.frames import turned, turned_back
-from .settings import ImpactEnergy
 
 SLOWEST = 0.05
 """Speed of approach [m/s] below which there is no hit."""
@@ -63,7 +62,8 @@ class Hits:
         time: (k,) time of the hit by the trend of the motion before it, likewise [s].
         distance, normal, centre: (k,) [m], (k, 3) and (k, 3) of the patch there.
         approach: (k,) speed of approach along the normal [m/s].
-        velocities: (k, 2, 3) of the bodies' origins [m/s].
+        poses: (k, 2, 12) of the bodies at the hit.
+        velocities, spins: (k, 2, 3) of their origins [m/s], and about them [rad/s].
         expected: (k,) signed distance at the end of the interval on the paths [m].
         actual: (k,) signed distance in the actual poses then [m].
         passes: (k,) whether one body passes right through the other on the paths.
@@ -76,7 +76,9 @@ class Hits:
     normal: FloatArray
     centre: FloatArray
     approach: FloatArray
+    poses: FloatArray
     velocities: FloatArray
+    spins: FloatArray
     expected: FloatArray
     actual: FloatArray
     passes: BoolArray
@@ -96,6 +98,8 @@ class Hits:
             vector,
             vector,
             number,
+            np.zeros((0, 2, 12)),
+            np.zeros((0, 2, 3)),
             np.zeros((0, 2, 3)),
             number,
             number,
@@ -197,11 +201,24 @@ def landings(
         normal=normal[:, rows].T,
         centre=nodes[:, :, rows].mean(axis=0).T,
         approach=approach,
-        velocities=np.stack([ends.velocities(rows + k * count, after).T for k in (0, 1)], axis=1),
+        poses=_both(ends.poses, rows, count, after),
+        velocities=_both(ends.velocities, rows, count, after),
+        spins=_both(lambda bodies, _: ends.spin[:, bodies], rows, count, after),
         expected=distance,
         actual=distance,
         passes=np.zeros(len(rows), dtype=np.bool_),
     )
+
+
+def _both(
+    values: Callable[[IntArray, FloatArray], FloatArray],
+    rows: IntArray,
+    count: int,
+    after: FloatArray,
+) -> FloatArray:
+    """Values (k, 2, ...) of both bodies of some of ``count`` pairs, ``after`` (k,) seconds; first
+    bodies stand before second ones in the paths that ``values`` are of."""
+    return np.stack([values(rows + side * count, after).T for side in (0, 1)], axis=1)
 
 
 def _gaps(
@@ -251,26 +268,3 @@ def confirmed(hits: Hits, paths: Paths, tolerance: float) -> BoolArray:
             if not paths.certain[body]:
                 deflected.setdefault(body, time)
     return real
-
-
-def impact_energies(
-    hits: Hits, mass: FloatArray, fixed: BoolArray, energy: ImpactEnergy
-) -> FloatArray:
-    """Energies (k,) in joules of hits between bodies of ``mass`` (n,) [kg]; ``fixed`` (n,) bodies
-    can't be pushed.
-
-    KINETIC: ``1/2 m1 v1^2 + 1/2 m2 v2^2``, of the velocities of their origins just before. NORMAL:
-    ``1/2 mu v_n^2`` with the reduced mass ``mu`` and the speed of approach along the normal.
-    """
-    masses = mass[hits.pairs]
-    if energy is ImpactEnergy.KINETIC:
-        return np.asarray((masses * (hits.velocities**2).sum(axis=2)).sum(axis=1) / 2)
-    stiff = fixed[hits.pairs]
-    first, second = masses.T
-    both = np.where(
-        first + second > 0, first * second / np.where(first + second > 0, first + second, 1.0), 0.0
-    )
-    reduced = np.where(
-        stiff[:, 0], np.where(stiff[:, 1], 0.0, second), np.where(stiff[:, 1], first, both)
-    )
-    return reduced * hits.approach**2 / 2

@@ -239,27 +239,6 @@ class MotionHistory:
             return np.zeros(len(self._since_moved))
         return np.sqrt(_squared(self._poses[-1][9:] - self._poses[-2][9:])) / self.step
 
-    def speed_bound(self, weight: float) -> FloatArray:
-        """Estimated upper bound (n,) on the speed of each body in the last interval; 0 before there
-        are three poses. ``weight``: the gravity's strength [m/s^2]."""
-        if len(self.times) < 3:
-            return np.zeros(len(self._since_moved))
-        step = self.times[-1] - self.times[-2]
-        known = self.times[-2] - self.times[-3]
-        now, last, before = (self._poses[-k][9:] for k in (1, 2, 3))
-        direct = (now - last) / step
-        chord = (last - before) / known
-        bend = np.sqrt(_squared(direct - chord)) * (2 / (step + known))
-        if len(self.times) > 3:
-            older = self.times[-3] - self.times[-4]
-            bend = np.fmax(
-                bend,
-                np.sqrt(_squared(chord - (before - self._poses[-4][9:]) / older))
-                * (2 / (known + older)),
-            )
-        bend = np.fmin(np.fmax(bend, weight), _PLAUSIBLE * weight)
-        return np.sqrt(np.fmax(_squared(direct), _squared(chord))) + bend * (step + known / 2)
-
     def drift(self, bodies: IntArray) -> FloatArray:
         """Displacement (3, k) of bodies in the last interval, 0 before there is one."""
         if len(self.times) < 2:
@@ -319,6 +298,7 @@ class MotionHistory:
         clean = self._since_disturbed - 1  # undisturbed intervals up to the start of the path
         trend = np.zeros((2, *chord.shape))
         trend[0] = np.where((self._since_hit > 1) & ~kinematic, chord, 0.0)
+        before_spin = spins(earlier, start, known)
         # Dynamic: constant acceleration, measured where no hit falsifies it.
         bend = np.where(airborne, gravity[:, None], 0.0)
         if older:
@@ -329,6 +309,10 @@ class MotionHistory:
                 & (_squared(measured) <= (_PLAUSIBLE * weight) ** 2)
             )
             bend = np.where(plausible, measured, bend)
+            # The spin in the middle of the path, by its change over the last two intervals.
+            change = before_spin - spins(self._poses[-4], earlier, older[0])
+            steady_turn = plausible & (4 * _squared(change) <= _squared(before_spin))
+            before_spin += np.where(steady_turn, change, 0.0) * (step + known) / (known + older[0])
             # A body at rest that was hit in the interval before the last moves only from then on.
             knocked = (self._since_hit == 2) & (self._since_onset == 2)
             since = np.where(knocked, self.times[-3] - self._hit_time, older[0])
@@ -367,7 +351,7 @@ class MotionHistory:
         given = smooth | (~kinematic & (clean < 1))
         acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
-        spin = np.where(given, spins(start, end, step), spins(earlier, start, known))
+        spin = np.where(given, spins(start, end, step), before_spin)
         turned = kinematic & ~smooth & (clean < 1)
         return Paths(
             step,

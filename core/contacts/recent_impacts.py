@@ -8,7 +8,8 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray, IntArray
 from .body_table import BodyTable
-from .impacts import Hits, Impact, impact_energies
+from .impact_energies import impact_energies
+from .impacts import Hits, Impact
 from .settings import Body, ContactSettings
 
 _STRONGER = 1.25
@@ -70,7 +71,7 @@ class RecentImpacts:
             table: of the bodies.
         """
         energies = (
-            impact_energies(hits, table.mass, ~table.dynamic, self._settings.energy)
+            impact_energies(hits, bodies, table, self._settings.energy)
             / self._settings.time_scale**2
         )
         keys = table.keys(hits.pairs).tolist()
@@ -82,8 +83,9 @@ class RecentImpacts:
             limits = self._settings.impact_limits(bodies[a].named, bodies[b].named)
             again = struck[k] or when - last < limits.refractory
             resting = again and hits.approach[k] < _STRONGER * speed
-            if energies[k] < limits.least_energy or resting:
+            if energies[k] < (limits.least_energy or 0.0) or resting:
                 continue
             self._last[keys[k]] = when, float(hits.approach[k])
-            impacts.append(hits.impact(k, when, float(energies[k]), limits.full_energy))
+            full = limits.full_energy or table.full_energy
+            impacts.append(hits.impact(k, when, float(energies[k]), full))
         return tuple(impacts)

@@ -21,19 +21,19 @@ class Striking:
 
     def __init__(self, settings: ContactSettings) -> None:
         self._settings = settings
-        self.least = min(item.least_energy for item in settings.all_limits())
+        self.least = min(item.least_energy or 0.0 for item in settings.all_limits())
         self._gravity = np.array(settings.gravity) * settings.time_scale**2
         self._weight = float(np.linalg.norm(self._gravity))
-        self._turning = settings.energy is ImpactEnergy.NORMAL
+        self._effective = settings.energy is ImpactEnergy.EFFECTIVE
 
     def _energies(self, table: BodyTable, speed: FloatArray) -> FloatArray:
         """Upper bound on the energy (n,) that bodies with at most this ``speed`` (n,) bring into an
         impact."""
         mass = table.mass
-        if self._turning:
-            # Twice the speed of the faster of two at most, and no more than the mass of a dynamic
-            # one of them.
-            mass = 4 * np.where(table.dynamic, mass, np.max(mass, where=table.dynamic, initial=0.0))
+        if self._effective:
+            # Twice the speed of the faster of two at most, and no more than the mass of one of them
+            # that can be moved.
+            mass = 4 * np.where(table.movable, mass, np.max(mass, where=table.movable, initial=0.0))
         return mass / 2 * (speed / self._settings.time_scale) ** 2
 
     def _none_strikes(self, table: BodyTable) -> bool:
@@ -57,15 +57,11 @@ class Striking:
         fast enough for an impact. ``airborne`` as in `MotionHistory.paths`."""
         if self._none_strikes(table):
             return None
-        if not self._turning:
-            energy = self._energies(table, history.speed_bound(self._weight))
-            if not (energy >= self.least / 2).any():
-                return None
+        if not history.moving().any():
+            return None
         paths = history.paths(~table.dynamic, airborne, self._gravity)
         if paths is None:
             return None
-        speed = paths.fastest()
-        if self._turning:
-            speed += np.sqrt(dot(paths.spin, paths.spin)) * table.reach
+        speed = paths.fastest() + np.sqrt(dot(paths.spin, paths.spin)) * table.reach
         energy = self._energies(table, speed)
         return (paths, energy) if (energy >= self.least / 2).any() else None

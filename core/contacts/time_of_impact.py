@@ -415,7 +415,9 @@ class Meetings:
             passes[fast] = moving.chosen(fast).pass_through(
                 after[fast], within, np.minimum(one, other) / 4
             )
-        ways = normal.T, centre.T, approach, velocities.transpose(2, 1, 0)
+        spins = moving.paths.spin[:, bodies] * correction
+        ways = normal.T, centre.T, approach, np.array(self.poses).transpose(2, 0, 1)
+        motion = velocities.transpose(2, 1, 0), spins.transpose(2, 1, 0)
         # Meshes that have passed through each other are not deeper for it: as deep as they would be
         # at this speed.
         deep = np.where(
@@ -429,6 +431,7 @@ class Meetings:
             time,
             found.distance,
             *ways,
+            *motion,
             np.minimum(self.expected, deep),
             self.actual,
             passes,

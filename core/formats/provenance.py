@@ -15,6 +15,8 @@ from .scene.scene_json import scene_to_dict
 from .tracks.listener_tracks import Tracks
 from .tracks.track_export import EDITOR
 
+FULL_ENERGY = "that of the heaviest moving body after a fall of half a metre on"
+
 
 def provenance_of(scene: HapticScene | None) -> JsonObject:
     """Program and version, and of a scene its settings of propagation and its digest: the first 12
@@ -52,10 +54,11 @@ def methods(provenance: Form, scene: HapticScene, tracks: Tracks | None) -> str:
     if settings.mode == "HT":
         text += f" {_propagation(settings)} Objects within {1000 * rules.tolerance:g} mm touched."
         if rules.impacts:
+            limits = rules.limits
+            full = f"{limits.full_energy:g} J on" if limits.full_energy else FULL_ENERGY
             text += (
-                f" Collisions of {rules.least_energy:g} J or more were impacts, at full amplitude "
-                f"from {rules.full_energy:g} J on, and at most one of a pair in "
-                f"{rules.refractory:g} s."
+                f" Collisions of {limits.least_energy:g} J or more were impacts, at full amplitude "
+                f"from {full}, and at most one of a pair in {limits.refractory:g} s."
             )
     if tracks is not None:
         text += f" Each listener's signal has {tracks.duration:g} s at {tracks.sample_rate:,} Hz."

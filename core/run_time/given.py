@@ -12,7 +12,7 @@ from ..contacts.contact_set import ContactSet
 from ..contacts.impacts import Impact
 from ..formats.scene.values_json import read_contact
 from ..scene.references import Place, PlacedError, require_known
-from ..scene.rules import ContactSettings, Motion
+from ..scene.rules import ContactSettings, Motion, full_energy_of
 from ..scene.values import Contact, HapticObject
 
 Objects = Mapping[str, HapticObject]
@@ -70,6 +70,7 @@ def read_impacts(
         PlacedError: names the key where a value is not valid.
     """
     found = []
+    full = full_energy_of(map(_movable_mass, objects.values()))
     for row, form in enumerate(plain(forms)):
         place: Place = ("impacts", row)
         for key in ("objects", "position"):
@@ -84,7 +85,7 @@ def read_impacts(
         x, y, z = (
             _number(value, (*place, "position", k)) for k, value in enumerate(form["position"])
         )
-        if energy >= limits.least_energy:
+        if energy >= (limits.least_energy or 0.0):
             found.append(
                 Impact(
                     objects=(numbers[first], numbers[second]),
@@ -93,7 +94,7 @@ def read_impacts(
                     positions=((x, y, z), (x, y, z)),
                     normal=(0.0, 0.0, 1.0),
                     energy=energy,
-                    amplitude=min(energy / limits.full_energy, 1.0),
+                    amplitude=min(energy / (limits.full_energy or full), 1.0),
                 )
             )
     return tuple(found)
@@ -103,15 +104,19 @@ def _energy(
     form: Mapping[str, Any], first: HapticObject, second: HapticObject, place: Place
 ) -> float:
     """The energy [J] of an impact: as given, or 1/2 mu v^2 with the reduced mass mu; objects that
-    do not move freely have no mass in it."""
+    can't be moved have no mass in it."""
     if "energy" in form:
         return _number(form["energy"], (*place, "energy"))
     if "normal_speed" not in form:
         raise PlacedError((*place, "energy"), "is required, or normal_speed")
-    masses = [item.mass or 0.0 for item in (first, second) if item.motion is Motion.DYNAMIC]
-    total = sum(masses)
-    reduced = total if len(masses) < 2 else masses[0] * masses[1] / total if total else 0.0
-    return reduced * _number(form["normal_speed"], (*place, "normal_speed")) ** 2 / 2
+    inverse = sum(1 / mass for mass in map(_movable_mass, (first, second)) if mass)
+    speed = _number(form["normal_speed"], (*place, "normal_speed"))
+    return speed**2 / (2 * inverse) if inverse else 0.0
+
+
+def _movable_mass(item: HapticObject) -> float:
+    """The mass [kg] of an object that can be moved, 0 of one that can't."""
+    return 0.0 if item.motion is Motion.STATIC or item.medium else item.mass or 0.0
 
 
 def _number(value: Any, place: Place) -> float:

@@ -59,19 +59,25 @@ def require_template(key: str, signal: Signal) -> None:
 LEAST_ENERGY = number(
     MISSING,
     "Least Energy",
-    "Collisions weaker than this, in joules, make no source; 5 J is a light contact",
+    "Collisions weaker than this, in joules, make no source; 0: 0.05 J, as in the paper 5 J",
     0.0,
     soft=(0.0, 100.0),
     unit="J",
+    optional=True,
+    shown=0.0,
 ).metadata
 FULL_ENERGY = number(
     MISSING,
     "Full Energy",
-    "A collision of this energy, in joules, plays the impact signal at full strength",
+    "A collision of this energy, in joules, plays the impact signal at full strength; 0: as "
+    "strong a one as the heaviest body that moves makes in a fall of half a metre, as in the "
+    "paper 100 J",
     0.0,
     soft=(0.0, 1000.0),
     unit="J",
     above=True,
+    optional=True,
+    shown=0.0,
 ).metadata
 REFRACTORY = number(
     MISSING,
@@ -87,11 +93,11 @@ REFRACTORY = number(
 @frozen
 class ImpactLimits(Declared):
     """Conditions of an impact: a new contact with at least ``least_energy`` (E_min) joules;
-    ``full_energy`` (E_max) gives amplitude 1. A pair has no second impact within ``refractory``
-    seconds."""
+    ``full_energy`` (E_max) gives amplitude 1; None: those of the scene's kind of energy. A pair has
+    no second impact within ``refractory`` seconds."""
 
-    least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
-    full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
+    least_energy: float | None = field(default=None, metadata=LEAST_ENERGY)
+    full_energy: float | None = field(default=None, metadata=FULL_ENERGY)
     refractory: float = field(default=0.1, metadata=REFRACTORY)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Iterable
 from dataclasses import field
 from functools import lru_cache
 
@@ -31,21 +32,37 @@ class Motion(enum.StrEnum):
 class ImpactEnergy(enum.StrEnum):
     """The energy that is compared with an impact's limits."""
 
-    KINETIC = "kinetic"  # the paper's: 1/2 m1 v1^2 + 1/2 m2 v2^2
-    # 1/2 mu v_n^2: relative motion along the normal, the same in every frame of reference.
-    NORMAL = "normal"
+    # 1/2 m v^2 of the relative motion along the normal, with the effective mass of both bodies at
+    # the contact: the same in every frame of reference.
+    EFFECTIVE = "effective"
+    AS_IN_THE_PAPER = "as_in_the_paper"  # 1/2 m1 v1^2 + 1/2 m2 v2^2, and what turns
 
 
 ENERGIES = {
-    ImpactEnergy.KINETIC: (
-        "Of Both Motions",
-        "Kinetic energy of both objects: ½ m₁ v₁² + ½ m₂ v₂²",
-    ),
-    ImpactEnergy.NORMAL: (
+    ImpactEnergy.EFFECTIVE: (
         "Of the Blow",
-        "Energy of the relative motion along the contact normal: ½ μ v² with the reduced mass μ",
+        "Energy of the surfaces' motion towards each other, with the masses that are felt there",
+    ),
+    ImpactEnergy.AS_IN_THE_PAPER: (
+        "As in the Paper",
+        "Kinetic energy of both objects: ½ m₁ v₁² + ½ m₂ v₂², and that of their rotation",
     ),
 }
+
+_LEAST = {ImpactEnergy.EFFECTIVE: 0.05, ImpactEnergy.AS_IN_THE_PAPER: 5.0}
+"""The default least energy of each kind [J]."""
+
+PAPER_FULL_ENERGY = 100.0
+"""The full energy of the paper, and of a scene in which nothing that moves has a mass [J]."""
+
+_FALL = 9.81 * 0.5
+"""Energy per mass of a fall of half a metre [J/kg]."""
+
+
+def full_energy_of(masses: Iterable[float]) -> float:
+    """The energy [J] of full strength in a scene in which bodies of these ``masses`` [kg] move:
+    that of the heaviest one after a fall of half a metre."""
+    return max(masses, default=0.0) * _FALL or PAPER_FULL_ENERGY
 
 
 @frozen
@@ -77,10 +94,10 @@ class ContactSettings(Declared):
         TEMPLATES,
         shown=ImpactTemplates.BY_MATERIAL,
     )
-    least_energy: float = field(default=5.0, metadata=LEAST_ENERGY)
-    full_energy: float = field(default=100.0, metadata=FULL_ENERGY)
+    least_energy: float | None = field(default=None, metadata=LEAST_ENERGY)
+    full_energy: float | None = field(default=None, metadata=FULL_ENERGY)
     energy: ImpactEnergy = choice(
-        ImpactEnergy.KINETIC, "Energy", "The energy that a collision is judged by", ENERGIES
+        ImpactEnergy.EFFECTIVE, "Energy", "The energy that a collision is judged by", ENERGIES
     )
     refractory: float = field(default=0.1, metadata=REFRACTORY)
     gravity: tuple[float, float, float] = numbers(
@@ -118,7 +135,15 @@ class ContactSettings(Declared):
     @property
     def limits(self) -> ImpactLimits:
         """The limits of impacts without a matching rule."""
-        return _limits(self.least_energy, self.full_energy, self.refractory)
+        return self._known(_limits(self.least_energy, self.full_energy, self.refractory))
+
+    def _known(self, limits: ImpactLimits) -> ImpactLimits:
+        """Limits with the values of this kind of energy in place of unknown ones; the full energy
+        may still be that of the scene, None."""
+        least, full = limits.least_energy, limits.full_energy
+        if full is None and self.energy is ImpactEnergy.AS_IN_THE_PAPER:
+            full = PAPER_FULL_ENERGY
+        return _limits(_LEAST[self.energy] if least is None else least, full, limits.refractory)
 
     def impact_rules(self) -> tuple[ImpactRule, ...]:
         """The rule for pairs without a matching row, and those of all rows."""
@@ -127,7 +152,7 @@ class ContactSettings(Declared):
     def all_limits(self) -> tuple[ImpactLimits, ...]:
         """The limits of all impact rules."""
         return self.limits, *(
-            rule.limits for rule in self.impact_rules() if rule.limits is not None
+            self._known(rule.limits) for rule in self.impact_rules() if rule.limits is not None
         )
 
     def impact_rule(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactRule:
@@ -136,4 +161,5 @@ class ContactSettings(Declared):
 
     def impact_limits(self, first: tuple[str, str], second: tuple[str, str]) -> ImpactLimits:
         """The limits for impacts of two objects."""
-        return self.impact_rule(first, second).limits or self.limits
+        limits = self.impact_rule(first, second).limits
+        return self.limits if limits is None else self._known(limits)

@@ -401,7 +401,7 @@ def test_energy_of_the_blow_and_refractory_time_are_the_scenes(drop, scene):
     bounces = played(scene, range(1, 60))
     assert len(bounces) >= 2
     scene.haptics.refractory_time = 2.0
-    scene.haptics.impact_energy = "normal"
+    scene.haptics.impact_energy = "as_in_the_paper"
     scene.frame_set(1)
     found = played(scene, range(2, 60))
     assert len(found) == 1

@@ -91,7 +91,7 @@ def test_amplitude_and_kappa_that_are_keyframed_count_at_each_frame(seesaw, scen
 def test_settings_of_the_scene_that_are_keyframed_count_at_each_frame(seesaw, scene):
     bpy.ops.rigidbody.world_add()
     later = {"mode": "SD", "strategy": "best_path", "max_connections": 3, "threshold": 0.01, "epsilon": 0.2, "localise": 0.5,
-             "contact_tolerance": 0.02, "minimum_energy": 0.5, "maximum_energy": 7, "impact_energy": "normal", "refractory_time": 0.3,
+             "contact_tolerance": 0.02, "minimum_energy": 0.5, "maximum_energy": 7, "impact_energy": "as_in_the_paper", "refractory_time": 0.3,
              "impacts": False, "impact_signal": "PLAIN"}  # fmt: skip
     keyed = [(scene.haptics, *item) for item in later.items()]
     keyed += [

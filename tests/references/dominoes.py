@@ -84,5 +84,9 @@ def _first_blows(poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         times.append(k / RATE)
         before = np.stack([one, other])[:, k - 2 : k, :3, 3] * RATE
         speed = before[:, 1] - before[:, 0]
-        energies.append(MASS / 2 * (speed**2).sum())
+        axes = np.stack([one, other])[:, k - 2 : k, [0, 2], 0]  # they turn about y
+        lean = np.arctan2(-axes[..., 1], axes[..., 0])
+        spin = (lean[:, 1] - lean[:, 0]) * RATE
+        square = (SIZE[0] ** 2 + SIZE[2] ** 2) / 12
+        energies.append(MASS / 2 * ((speed**2).sum() + square * (spin**2).sum()))
     return np.array(times), np.array(energies)

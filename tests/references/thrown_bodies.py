@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from haptic_tracing.core.contacts.shapes import Box, ConvexHull, Shape
 from scipy.spatial import ConvexHull as Hull
+from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 RATE = 960
@@ -26,7 +27,8 @@ _CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z i
 @dataclass(frozen=True)
 class Thrown:
     """A body of ``mass`` [kg], its ``poses`` (k, 4, 4) at each step up to 0.1 s after its first
-    blow, at ``time`` [s] with ``energy`` [J] of its centre's motion."""
+    blow, at ``time`` [s] with ``energy`` [J]: of the speed of the corner that lands, with the mass
+    that is felt there; NaN where others are within 2 cm of the plane."""
 
     shape: Shape
     mass: float
@@ -63,7 +65,14 @@ def thrown(number: int) -> Thrown:
         velocity = velocity + _G * time
         if time < _STEP:
             if first is None:
-                first = (len(poses) - 1) * _STEP + time, mass * velocity @ velocity / 2
+                arms = corners @ turn.T
+                lowest, second = arms[:, 2].argsort()[:2]
+                blow = (
+                    _energy(arms[lowest], velocity, spin, mass, turn, corners)
+                    if arms[second, 2] - arms[lowest, 2] > 0.02
+                    else np.nan
+                )
+                first = (len(poses) - 1) * _STEP + time, blow
             world = turn @ within @ turn.T
             velocity, spin = _struck(
                 corners @ turn.T, centre, velocity, world @ momentum, mass, world, restitution
@@ -89,6 +98,31 @@ def _shape(kind: int, draw: np.random.Generator) -> tuple[Shape, np.ndarray]:
         else np.array([draw.uniform(1, 2), *draw.uniform(0.03, 0.1, 2)])
     )
     return Box(tuple(size)), _CORNERS * size
+
+
+def _energy(
+    arm: np.ndarray,
+    velocity: np.ndarray,
+    spin: np.ndarray,
+    mass: float,
+    turn: np.ndarray,
+    corners: np.ndarray,
+) -> float:
+    """The energy of the blow of a corner at the end of ``arm``: 1/2 m v² with 1/m the sum of 1/mass
+    and (r x n) I^-1 (r x n). Inertia and centre of mass of the solid are sums over the tetrahedra
+    of its Delaunay triangulation."""
+    cells = corners[Delaunay(corners).simplices]  # (t, 4, 3)
+    weights = np.abs(np.linalg.det(cells[:, 1:] - cells[:, :1]))
+    weights = mass * weights / weights.sum()
+    middles = cells.mean(axis=1)
+    squares = np.einsum("t,tci,tcj->ij", weights, cells, cells) / 20
+    squares += 16 / 20 * np.einsum("t,ti,tj->ij", weights, middles, middles)
+    centre = weights @ middles / mass
+    squares -= mass * np.outer(centre, centre)
+    inertia = turn @ (squares.trace() * np.eye(3) - squares) @ turn.T
+    speed = (velocity + np.cross(spin, arm))[2]
+    lever = np.cross(arm - turn @ centre, [0.0, 0.0, 1.0])
+    return float(speed**2 / 2 / (1 / mass + lever @ np.linalg.solve(inertia, lever)))
 
 
 def _turned(vector: np.ndarray) -> np.ndarray:

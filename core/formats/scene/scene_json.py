@@ -124,7 +124,11 @@ def scene_to_dict(scene: HapticScene) -> JsonObject:
 def _all_values(item: Settings | ContactSettings) -> JsonObject:
     """The JSON object of an item with all its values but empty optional ones."""
     values = {key.name: json_value(getattr(item, key.name)) for key in fields(item)}
-    return {name: value for name, value in values.items() if value or name not in _OPTIONAL}
+    return {
+        name: value
+        for name, value in values.items()
+        if value is not None and (value or name not in _OPTIONAL)
+    }
 
 
 _OPTIONAL = ("localise", "passing", "impact_table", "transmission_table", "textures")

@@ -11,7 +11,6 @@ WRIST = (-0.08, 0.0, 0.92)
 SWING = math.radians(-75)
 RAISED, STRIKES, LIFTED = (1, 16), (20, 24), 34  # frames
 HAMMER_MASS = 1.5  # kilograms
-FULL_ENERGY = 20.0  # joules
 
 
 def select(*names: str) -> None:
@@ -118,15 +117,10 @@ def add_listener() -> None:
     bpy.context.object.haptics.listener.body_part = "hand.L"
 
 
-def set_energy() -> None:
-    """From which energy on a blow is felt in full."""
-    bpy.context.scene.haptics.maximum_energy = FULL_ENERGY
-
-
 def play_to(frame: int) -> None:
     """Frame by frame, as playing does."""
     for number in range(1, frame + 1):
         bpy.context.scene.frame_set(number)
 
 
-STEPS = (add_objects, make_haptic, swing_the_hammer, add_physics, add_listener, set_energy)
+STEPS = (add_objects, make_haptic, swing_the_hammer, add_physics, add_listener)

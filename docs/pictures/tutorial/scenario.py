@@ -41,7 +41,6 @@ def steps(window):
     yield 0.5
     yield from window.screenshot("listener")
 
-    tutorial.set_energy()
     with window.context():
         tutorial.play_to(tutorial.STRIKES[0] + 2)
     yield 0.5

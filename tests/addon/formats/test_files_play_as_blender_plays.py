@@ -116,7 +116,7 @@ def test_rules_of_a_file_become_properties_and_stay_to_the_last_digit(scene, tmp
     rules = {
         "tolerance": 0.012345678901234,
         "slack": 0.001,
-        "energy": "normal",
+        "energy": "as_in_the_paper",
         "least_energy": 1 / 3,
         "full_energy": 70.7,
         "refractory": 0.123456789,

@@ -105,7 +105,7 @@ def test_when_a_second_hit_is_an_impact(after, speed, parted, counts):
     bodies = [Body("ball", Box((1, 1, 1)), 2.0), Body("wall", Box((1, 1, 1)), motion="static")]
     table = BodyTable(bodies)
     recent = RecentImpacts(
-        ContactSettings(energy="normal", least_energy=0.1, full_energy=4.0, refractory=0.1)
+        ContactSettings(energy="effective", least_energy=0.1, full_energy=4.0, refractory=0.1)
     )
 
     def hit(time, approach, struck):
@@ -118,7 +118,9 @@ def test_when_a_second_hit_is_an_impact(after, speed, parted, counts):
             normal=np.array([[0.0, 0.0, 1.0]]),
             centre=np.zeros((1, 3)),
             approach=approach * one,
+            poses=np.tile(np.concatenate([np.eye(3).ravel(), np.zeros(3)]), (1, 2, 1)),
             velocities=np.zeros((1, 2, 3)),
+            spins=np.zeros((1, 2, 3)),
             expected=0 * one,
             actual=0 * one,
             passes=np.zeros(1, dtype=bool),

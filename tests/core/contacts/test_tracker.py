@@ -237,7 +237,7 @@ def hopping(generator, frames, rate):
 @given(
     seed=st.integers(0, 10**6),
     rate=st.sampled_from([24.0, 60.0]),
-    energy=st.sampled_from(["kinetic", "normal"]),
+    energy=st.sampled_from(["as_in_the_paper", "effective"]),
 )
 def test_impacts_do_not_depend_on_what_is_wanted(seed, rate, energy):
     """All impacts are found where nothing sounds, and the contacts through which a listener feels

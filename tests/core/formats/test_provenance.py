@@ -95,7 +95,7 @@ def test_the_paragraph_names_what_a_reader_needs_to_repeat_it():
         "The mode was HT (Haptic Tracing: through touching objects",
         "strategy Energy Balance",
         "ε = 0.1 1/m, paths ended below a gain of 0.0125)",
-        "Objects within 10 mm touched. Collisions of 5 J or more were impacts",
+        "Objects within 10 mm touched. Collisions of 0.05 J or more were impacts",
         "Each listener's signal has 0.5 s at 8,000 Hz.",
     ):
         assert words in text
