@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import hmac
 import json
 import secrets
 import threading
@@ -16,9 +17,8 @@ from urllib.parse import unquote
 
 import numpy as np
 from websockets.datastructures import Headers
-from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
-from websockets.sync.server import Server, ServerConnection, serve
+from websockets.sync.server import Server, ServerConnection
 
 from ..core.formats.tracks.wav import read
 from ..core.forms import Form, JsonObject
@@ -27,6 +27,7 @@ from ..study.people.exposure import daily, limits_of
 from ..study.people.plan import FORM, HERE, begin, read_form, stimuli
 from ..study.people.record import Sitting, add_step
 from . import say
+from .serve.front import Front, serve_forever
 from .serve.stage import DeviceStage
 from .study_playing import RATE, FilmPlayer
 
@@ -44,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
             study = Study(args.out, form, args.participants, stage)
             with study.listen(args.port) as server:
                 say(study.pages)
-                server.serve_forever()
+                serve_forever(server)
     return 0
 
 
@@ -81,6 +82,8 @@ class Study:
         self._parts = np.array(parts)
         self._mapping = stage.mapping(dict(listeners))
         self._choose_devices()
+        self._front = Front("127.0.0.1")
+        self._root = f"/{secrets.token_urlsafe(12)}/"
         self._plan = begin(folder, form, participants, parts, levels)
         self.exposure = [self._exposed(part) for part in dict.fromkeys(parts)]
         self._player = FilmPlayer(stage)
@@ -122,15 +125,16 @@ class Study:
 
     def listen(self, port: int) -> Server:
         """The server, on this machine only. Raises OSError."""
-        server = serve(self._handle, "127.0.0.1", port, process_request=self._admit)
+        server = self._front.listen(port, self._handle, self._page)
         port = server.socket.getsockname()[1]
-        self._root = f"/{secrets.token_urlsafe(12)}/"
         self.pages = [f"http://127.0.0.1:{port}{self._root}{role}" for role in PAGES]
         return server
 
-    def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
+    def _page(self, connection: ServerConnection, request: Request) -> Response | None:
         """Pages and films over HTTP, and the WebSockets of the pages."""
-        file = self._served.get(unquote(request.path).removeprefix(self._root))
+        root, name = request.path[: len(self._root)], unquote(request.path[len(self._root) :])
+        is_known = hmac.compare_digest(root.encode("utf-8", "surrogatepass"), self._root.encode())
+        file = self._served.get(name) if is_known else None
         if file is None:
             return connection.respond(403, "not a page of this study\n")
         if "Upgrade" in request.headers:
@@ -143,8 +147,8 @@ class Study:
 
     def _handle(self, connection: ServerConnection) -> None:
         """Answer a page until it is closed, or says what no page does."""
-        with suppress(ConnectionClosed, ValueError, TypeError, LookupError):
-            for text in connection:
+        with suppress(ValueError, TypeError, LookupError):
+            for text in connection if self._front.take_place(connection) else ():
                 connection.send(json.dumps(self._reply(json.loads(text))))
 
     def _reply(self, said: Any) -> JsonObject:

@@ -14,13 +14,14 @@ from typing import NoReturn
 from ...core.run_time import load
 from .. import answer, say
 from .conversation import Conversation
+from .front import LOCAL, serve_forever
 from .live_view import LiveView
 from .osc import OscDoor
-from .sockets import LOCAL, Door
+from .sockets import Door
 from .stage import DeviceStage
 
 
-def run(args: argparse.Namespace) -> int:
+def run(args: argparse.Namespace) -> NoReturn:
     """Serve until Ctrl-C, or until the program is asked to end."""
     signal.signal(signal.SIGTERM, _end)
     scene = None if args.scene is None else load(args.scene)
@@ -51,13 +52,12 @@ def run(args: argparse.Namespace) -> int:
             say(_greeting(address, token, stage, args))
             answer(args, {"url": f"ws://{address}", "token": token})
             args.stdout.flush()
-            server.serve_forever()
+            serve_forever(server)
     finally:
         if osc is not None:
             osc.close()
         if stage is not None:
             stage.close()
-    return 0
 
 
 def _end(number: int, frame: FrameType | None) -> NoReturn:

@@ -4,7 +4,9 @@ socket."""
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from ...core.forms import Form, JsonObject
 from ...core.run_time import Run, Scene, Step
 from ...core.run_time import open as open_run
 from ...core.scene.references import PlacedError
+from .. import say
 from .convention import Convention
 from .stage import RATE, DeviceStage
 
@@ -30,63 +33,93 @@ class Conversation:
     """The messages of one client about one run. ``scene``: the run's until the client brings one.
     ``admit``: takes the first message, and returns the devices that play for this client, None for
     none, or why they do not; it raises PlacedError to answer with an error and be asked again.
-    Without it, none do."""
+    Without it, none do.
+
+    stage: the devices. failures: messages that the program could not cope with."""
 
     def __init__(
-        self, scene: Scene | None, admit: Callable[[Any], DeviceStage | str | None] | None
+        self, scene: Scene | None, admit: Callable[[Any], DeviceStage | str | None] | None = None
     ) -> None:
-        self._scene, self._admit = scene, admit
-        self._is_admitted = False
-        self._stage: DeviceStage | None = None
+        self._scene, self.admit = scene, admit
+        self.is_admitted = False
+        self.stage: DeviceStage | None = None
         self._warnings: list[str] = []
         self._convention = Convention()
         self.run: Run | None = None
         self.last: Step | None = None
+        self.failures = 0
+        self._steps: list[Any] = []  # ids of the steps that are followed and not answered
+        self._begun: set[str] = set()  # sources that began to play in these
 
     def answer(self, text: str | bytes) -> list[Answer]:
-        """The answers to a message, or to its UTF-8. A message that is not valid is answered by an
-        error; it never raises."""
-        name: Any = None
-        try:
-            message = parse_json(
-                text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text, "message"
-            )
-            name = message.get("id") if isinstance(message, dict) else None
-            if not self._is_admitted:
-                admitted = None if self._admit is None else self._admit(message)
-                if isinstance(admitted, str):
-                    self._warnings = [admitted]
-                else:
-                    self._stage = admitted
-                self._is_admitted = True
-                self.run = None if self._scene is None else open_run(self._scene, RATE)
-            return self._answered(message)
-        except PlacedError as error:
-            return [_error(name, json_pointer(error.place), error.reason)]
-        except FormatError as error:
-            return [_error(name, error.pointer, error.reason)]
-        except (ValueError, ArithmeticError) as error:
-            return [_error(name, "", str(error))]
+        """The answers to a message for which the client waits."""
+        return [answer for answers in self.answers([text]) for answer in answers]
 
-    def _answered(self, message: Any) -> list[Answer]:
+    def answers(self, texts: Iterable[str | bytes]) -> Iterator[list[Answer]]:
+        """The answers to messages that wait, or to their UTF-8, in turn. Of steps that follow each
+        other only the newest is answered, and names all; their poses, blows and samples are in its
+        frame. A message that is not valid is answered by an error; it never raises."""
+        for text in texts:
+            yield from self._checked(partial(self._heard, text))
+        yield from self._checked(self._frame)
+
+    def _checked(self, answers: Callable[[], Iterator[list[Answer]]]) -> Iterator[list[Answer]]:
+        """What ``answers`` gives, and errors in place of what it raises."""
+        self._name: Any = None
+        try:
+            yield from answers()
+        except PlacedError as error:
+            yield [self._error(json_pointer(error.place), error.reason)]
+        except FormatError as error:
+            yield [self._error(error.pointer, error.reason)]
+        except (ValueError, ArithmeticError) as error:
+            yield [self._error("", str(error))]
+        except Exception as error:  # a fault of this program: others go on
+            self.failures += 1
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            say([f"failure {self.failures}: {error!r} in {place.filename}, line {place.lineno}"])
+            self._steps.clear()
+            if self.run is not None:
+                self.run.stop()
+            yield [self._error("", "the server failed at this message; the run begins anew")]
+
+    def _heard(self, text: str | bytes) -> Iterator[list[Answer]]:
+        message = parse_json(
+            text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text, "message"
+        )
+        self._name = message.get("id") if isinstance(message, dict) else None
+        if not self.is_admitted:
+            admitted = None if self.admit is None else self.admit(message)
+            if isinstance(admitted, str):
+                self._warnings = [admitted]
+            else:
+                self.stage = admitted
+            self.is_admitted = True
+            self.run = None if self._scene is None else open_run(self._scene, RATE)
         kind = message.get("type") if isinstance(message, dict) else None
         if kind not in MESSAGES:
             raise PlacedError(("type",), f"must be one of {', '.join(MESSAGES)}")
         validate(message, f"run-time-1#{kind}", "message")
+        if kind == "step" and self.run is not None:
+            yield from self._step(self.run, message)
+        else:
+            yield from self._frame()
+            yield self._answered(kind, message)
+
+    def _answered(self, kind: str, message: Form) -> list[Answer]:
+        """The answer to a message other than a step."""
         if kind == "hello":
             return [self._hello(message)]
         if self.run is None:
             raise PlacedError(("type",), "there is no scene: say hello with one first")
         match kind:
-            case "step":
-                return self._step(self.run, message)
             case "play":
                 self.run.play(message["source"])
                 return []
             case "stop":
                 self.run.stop()
-                if self._stage is not None:
-                    self._stage.stop()
+                if self.stage is not None:
+                    self.stage.stop()
                 return [{"type": "stopped"}]
         parts = {key: message[key] for key in ("object", "source", "listener") if key in message}
         getattr(self.run, kind)(**parts)
@@ -118,6 +151,12 @@ class Conversation:
         self.run = open_run(scene, message.get("sample_rate", RATE))
         return self.scene()
 
+    def _error(self, where: str, reason: str) -> JsonObject:
+        """The answer to the message that is heard."""
+        name = self._name
+        known = {"id": name} if isinstance(name, int | str) and not isinstance(name, bool) else {}
+        return {"type": "error", **known, "where": where, "message": reason}
+
     def scene(self) -> JsonObject:
         """The message that names what the run has."""
         assert self.run is not None
@@ -128,22 +167,46 @@ class Conversation:
             "sources": list(self.run.sources),
             "listeners": list(self.run.listeners),
             "sample_rate": self.run.sample_rate,
-            "latency": 0.0 if self._stage is None else self._stage.latency,
+            "latency": 0.0 if self.stage is None else self.stage.latency,
             "calibrated": self.run.is_calibrated,
             **({"warnings": self._warnings} if self._warnings else {}),
         }
 
-    def _step(self, run: Run, message: Form) -> list[Answer]:
+    def _step(self, run: Run, message: Form) -> Iterator[list[Answer]]:
+        """Follow a step, and answer those before it where it begins the run anew or ends what began
+        to play in them."""
+        sources = message.get("sources", {}).items()
+        ended = {name for name, form in sources if form.get("playing") is False}
+        if not run.continues(message["time"]) or ended & self._begun:
+            yield from self._frame()
         given = dict(message)
         for key in ("type", "id", "samples", "velocities"):
             given.pop(key, None)
-        step = self.last = run.step(
-            **(given if self._convention.is_own else self._converted(given))
-        )
-        if self._stage is not None:
-            self._stage.play(run, step)
-        frame = frame_message(step, message.get("id"), self._convention)
-        return [frame, step.block.astype("<f4").tobytes()] if message.get("samples") else [frame]
+        run.follow(**(given if self._convention.is_own else self._converted(given)))
+        self._steps.append(message.get("id"))
+        self._begun |= {name for name, form in sources if form.get("playing")}
+        if message.get("samples"):
+            yield from self._frame(samples=True)
+
+    def _frame(self, samples: bool = False) -> Iterator[list[Answer]]:
+        """The answer to the steps since the last one, if there are any."""
+        if self._steps and self.run is not None:
+            steps, self._steps = self._steps, []
+            self._begun.clear()
+            name, self._name = self._name, steps[-1]
+            step = self.last = self.run.answer()
+            self._name = name
+            if self.stage is not None:
+                self.stage.play(self.run, step)
+            frame = frame_message(step, steps, self._convention)
+            yield [frame, step.block.astype("<f4").tobytes()] if samples else [frame]
+
+    def release(self, why: str) -> None:
+        """Give the devices back, silent; the next `scene` says why."""
+        stage, self.stage = self.stage, None
+        self._warnings = [why]
+        if stage is not None:
+            stage.stop()
 
     def _converted(self, given: JsonObject) -> JsonObject:
         """The arguments of a step in the axes and units of scenes."""
@@ -174,11 +237,12 @@ def _contact(form: Form, own: Convention) -> JsonObject:
     return placed | {"normal": own.direction(form["normal"])} if "normal" in form else placed
 
 
-def frame_message(step: Step, name: Any, convention: Convention) -> JsonObject:
-    """The answer to a step."""
+def frame_message(step: Step, names: Sequence[Any], convention: Convention) -> JsonObject:
+    """The answer to the last of the steps whose ids are ``names``, None for a step without."""
     return {
         "type": "frame",
-        **({} if name is None else {"id": name}),
+        **({} if names[-1] is None else {"id": names[-1]}),
+        "answers": [name for name in names if name is not None],
         "time": step.time,
         "levels": {
             listener: {"level": level.level, "margin": level.margin, "gains": level.gains}
@@ -201,11 +265,6 @@ def frame_message(step: Step, name: Any, convention: Convention) -> JsonObject:
         "milliseconds": {stage: round(value, 3) for stage, value in step.milliseconds.items()},
         **({"warnings": step.warnings} if step.warnings else {}),
     }
-
-
-def _error(name: Any, where: str, reason: str) -> JsonObject:
-    known = {"id": name} if isinstance(name, int | str) and not isinstance(name, bool) else {}
-    return {"type": "error", **known, "where": where, "message": reason}
 
 
 text_of: Callable[[JsonObject], str] = json.JSONEncoder(

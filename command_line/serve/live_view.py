@@ -6,6 +6,7 @@ import shutil
 import time
 from typing import TextIO
 
+from .. import one_line
 from .conversation import Conversation
 
 INTERVAL = 0.2
@@ -27,7 +28,7 @@ class LiveView:
             return
         self._shown = now
         meters = [f"{name} {meter(level.level)}" for name, level in step.levels.items()]
-        line = f"{step.time:8.2f} s  " + "  ".join(meters)
+        line = one_line(f"{step.time:8.2f} s  " + "  ".join(meters))
         self._out.write(
             "\r"
             + line[: shutil.get_terminal_size().columns - 1].ljust(

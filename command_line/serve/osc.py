@@ -10,18 +10,21 @@ from pythonosc.osc_server import BlockingOSCUDPServer
 from pythonosc.udp_client import SimpleUDPClient
 
 from ...core.forms import JsonObject
-from .conversation import Conversation, text_of
+from .conversation import MOST_OBJECTS, Conversation, text_of
+
+_LONGEST = 1024
+"""Characters of a name."""
 
 
 class OscDoor:
-    """Answers OSC messages on a port of this machine. The poses since the last step belong to the
-    next one."""
+    """Answers OSC messages on a port of this machine as they come, those of a bundle whatever its
+    date. The poses since the last step belong to the next one, at most `MOST_OBJECTS`."""
 
     def __init__(self, conversation: Conversation, port: int) -> None:
         """Raises OSError if the port is taken."""
         self._conversation = conversation
         self._poses: dict[str, list[float]] = {}
-        dispatcher = Dispatcher()
+        dispatcher = Dispatcher(strict_timing=False)  # it would wait for a bundle's date
         dispatcher.map("/haptic/pose", self._pose)
         dispatcher.map("/haptic/step", self._step, needs_reply_address=True)
         dispatcher.map("/haptic/play", self._play, needs_reply_address=True)
@@ -41,8 +44,8 @@ class OscDoor:
         self.server.server_close()
 
     def _pose(self, address: str, *values: Any) -> None:
-        if values and isinstance(values[0], str):
-            self._poses[values[0]] = list(values[1:])
+        if values and isinstance(values[0], str) and len(self._poses) < MOST_OBJECTS:
+            self._poses[values[0][:_LONGEST]] = list(values[1:9])
 
     def _step(self, client: tuple[str, int], address: str, *values: Any) -> None:
         poses, self._poses = self._poses, {}

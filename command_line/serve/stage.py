@@ -69,10 +69,10 @@ class DeviceStage:
         return cls(chosen)
 
     def play(self, run: Run, step: Step) -> None:
-        """Play the block of a step on the actuators of its listeners."""
-        if not step.block.shape[1] or run.sample_rate != RATE:
-            return
-        self.send(run.body_parts, step.block)
+        """Play the block of a step on the actuators of its listeners; of a long one its end, so
+        that devices are never late."""
+        if step.block.shape[1] and run.sample_rate == RATE:
+            self.send(run.body_parts, step.block[:, -int(SILENCE * RATE) :])
 
     def send(self, body_parts: Mapping[str, str], block: FloatArray) -> None:
         """Play samples (listeners, n) at `RATE`. ``body_parts``: of each listener, by its name."""

@@ -3,7 +3,7 @@ other."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -130,17 +130,21 @@ class Impacts:
         if new:
             names = frame.names
             objects = {item.name: item for item in frame.objects}
-            self.active += tuple(
-                ActiveImpact.of(
-                    impact,
-                    (names[first], names[second]),
-                    (
-                        _to_body(transforms[first], impact.positions[0]),
-                        _to_body(transforms[second], impact.positions[1]),
-                    ),
-                ).playing(objects, settings)
-                for impact in new
-                for first, second in (impact.objects,)
+            sounding = {item.source.name for item in self.active}
+            self.active += _named_apart(
+                sounding,
+                (
+                    ActiveImpact.of(
+                        impact,
+                        (names[first], names[second]),
+                        (
+                            _to_body(transforms[first], impact.positions[0]),
+                            _to_body(transforms[second], impact.positions[1]),
+                        ),
+                    ).playing(objects, settings)
+                    for impact in new
+                    for first, second in (impact.objects,)
+                ),
             )
         return self._sources(transforms)
 
@@ -159,6 +163,19 @@ class Impacts:
             item.source.moved(*place)
             for item, place in zip(self.active, places.tolist(), strict=True)
         )
+
+
+def _named_apart(names: set[str], items: Iterable[ActiveImpact]) -> tuple[ActiveImpact, ...]:
+    """Impacts with other ``names`` than those that sound: an engine may report several blows of
+    two bodies at one time."""
+    found = []
+    for item in items:
+        name = item.source.name
+        while name in names:
+            name += "+"
+        names.add(name)
+        found.append(replace(item, source=replace(item.source, name=name)))
+    return tuple(found)
 
 
 def _to_body(transform: FloatArray, position: Sequence[float]) -> FloatArray:

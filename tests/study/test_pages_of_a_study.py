@@ -1,60 +1,19 @@
 """What the pages of a study say to its program, as a browser would."""
 
 import json
-import threading
 import time
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 import small_study
-from haptic_tracing.command_line.study_run import Study
-from haptic_tracing.core.devices.mapping import map_listeners
-from haptic_tracing.core.devices.profile_files import profile
-from haptic_tracing.core.devices.status import Status
-from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from haptic_tracing.core.formats.tracks.wav import described, write_wav
-from haptic_tracing.study.people.plan import read_form
 from haptic_tracing.study.people.record import read_steps
+from small_study import SECONDS
 from websockets.sync.client import connect
-
-RATE, SECONDS = 8000, 2.0
-FORM = (
-    small_study.FORM
-    + """conditions = {one = {}, two = {}}
-scenes = {buzz = {tracks = {one = "one.wav", two = "two.wav"}}}
-"""
-)
 
 
 @pytest.fixture
 def study(tmp_path):
-    (tmp_path / "study.toml").write_text(FORM)
-    times = np.arange(round(RATE * SECONDS)) / RATE
-    tracks = Tracks(
-        (ListenerTrack("Hand", "hand.L"),), RATE, 0.5 * np.sin(2 * np.pi * 160 * times)[None]
-    )
-    for name in ("one", "two"):
-        write_wav(tracks, tmp_path / f"{name}.wav")
-        (tmp_path / f"{name}.wav.json").write_text(json.dumps(described(tracks)))
-    log = []
-    pad = SimpleNamespace(
-        profile=profile("dualsense"),
-        status=Status("open"),
-        send=lambda block, due=None: log.append("block"),
-        expect=lambda block, due: None,
-    )
-    stage = SimpleNamespace(
-        outputs={"pad": pad},
-        mapping=lambda parts: map_listeners(parts, {"pad": pad.profile}),
-        stop=lambda: log.append("silence"),
-    )
-    study = Study(tmp_path, read_form(tmp_path), 2, stage)
-    study.log = log
-    with study.listen(0) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
+    with small_study.served(tmp_path) as study:
         yield study
-        server.shutdown()
 
 
 def page(study, role):
