@@ -162,7 +162,7 @@ class ContactTracker:
                 fits = False
         if not fits:
             self._table = BodyTable(bodies, table, self.settings.passing)
-        if names != list(known):
+        if names != list(known) or len(known) < len(before):
             number = {body.name: k for k, body in enumerate(before) if body.name in known}
             self._renumber(
                 table,

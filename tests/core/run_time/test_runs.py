@@ -498,3 +498,15 @@ def test_objects_without_a_shape_stand_beside_others(shaped):
     run.step(0.04, {"crate": (0, 0, 4, *STILL)})
     run.remove(object="ground")
     assert run.step(0.06).levels["foot"].gains["drill"] == pytest.approx(math.exp(-1))
+
+
+def test_a_body_that_comes_back_without_its_shape_is_gone_from_the_search():
+    """Meanwhile the engine has given contacts, so that nothing was searched for."""
+    ball = {"name": "ball", "kappa": 0.1, "rho": 0.9, "shape": {"type": "sphere", "radius": 1}}
+    run = ht.open(floor_and_crate())
+    run.add(object=ball)
+    run.step(0.0)
+    run.remove(object="ball")
+    run.step(0.02, contacts=[])
+    run.add(object={"name": "ball", "kappa": 0.1, "rho": 0.9})
+    assert run.step(0.04).levels["hand"].gains["drill"] > 0
