@@ -12,7 +12,6 @@ from ..core.diagnosis.doubts import doubts
 from ..core.forms import JsonObject
 from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
-from ..core.modalities.propagation import Felt
 from ..core.propagation import Propagation, objects_on
 from ..core.render.arrival import levels_alone, signal_gains
 from ..core.render.frame_result import Sounding
@@ -40,12 +39,6 @@ def run(args: argparse.Namespace) -> int:
     built = time.perf_counter()
     result = scene.propagate(graph)
     finished = time.perf_counter()
-    try:
-        felt = [
-            part.felt_in(scene.with_contacts()) for part in scene.export.modalities if part.enabled
-        ]
-    except ValueError as error:
-        raise ValueError(f"{args.scene}: {error}") from None
     seconds = {"graph_seconds": built - started, "propagate_seconds": finished - built}
     printed = report(scene.content, graph, result, seconds)
     if args.felt:
@@ -57,8 +50,6 @@ def run(args: argparse.Namespace) -> int:
         ]
     if args.contacts:
         printed["contacts"] = contacts_of(scene)
-    if felt:
-        printed["modalities"] = {item.modality.name: felt_report(item) for item in felt}
     print_json(printed, args.stdout)
     say(f"{args.scene}: {words}" for words in _unreached(scene, result))
     return 0
@@ -111,15 +102,6 @@ def who_is_felt(sounding: Sounding, listener: int, sample_rate: float = 8000.0) 
         }
         for item in found.sources
     ]
-
-
-def felt_report(felt: Felt) -> JsonObject:
-    """The values of a modality other than vibration at the listeners, in its unit."""
-    values = [
-        {"listener": name, "value": float(value)}
-        for name, value in zip(felt.listeners, felt.values, strict=True)
-    ]
-    return {"unit": felt.modality.source_value.unit, "felt": values}
 
 
 def report(

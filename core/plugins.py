@@ -1,10 +1,9 @@
-"""Plug-ins: packages that offer formats, device families or modalities, and may have a part in
-Blender.
+"""Plug-ins: packages that offer formats or device families, and may have a part in Blender.
 
 Found are those in the folder `plugins`, those that other packages name as entry points
-(``haptic_tracing.formats``, ``haptic_tracing.devices``, ``haptic_tracing.modalities``), and those
-that another extension of Blender adds. A plug-in lists what it offers as ``FORMATS``, ``DEVICES``
-and ``MODALITIES``. One that fails is left out, and the reason kept.
+(``haptic_tracing.formats``, ``haptic_tracing.devices``), and those
+that another extension of Blender adds. A plug-in lists what it offers as ``FORMATS`` and
+``DEVICES``. One that fails is left out, and the reason kept.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from typing import Any
 
 _ROOT = __package__.rpartition(".")[0]
 _FOLDER = Path(__file__).parents[1] / "plugins"
-_KINDS = ("formats", "devices", "modalities")
+_KINDS = ("formats", "devices")
 
 _plugins: dict[str, ModuleType] = {}
 failures: dict[str, str] = {}
@@ -33,7 +32,7 @@ def plugins() -> dict[str, ModuleType]:
 
 
 def offered(kind: str) -> list[Any]:
-    """What the plug-ins offer of a kind: "formats", "devices" or "modalities"."""
+    """What the plug-ins offer of a kind: "formats" or "devices"."""
     return [item for plugin in plugins().values() for item in getattr(plugin, kind.upper(), ())]
 
 

@@ -366,7 +366,7 @@ def _written(call: ast.Call, context: ClassDefContext) -> Type:
     if found.node.fullname.startswith("bpy.props."):
         kinds = [ast.unparse(keyword.value) for keyword in call.keywords if keyword.arg == "type"]
         groups = [context.api.lookup_qualified(kind, context.cls) for kind in kinds]
-        # At run time, as those of modalities.
+        # Made at run time.
         is_made = any(group is not None and isinstance(group.node, Var) for group in groups)
         return UnboundType(name, [] if is_made else [UnboundType(kind) for kind in kinds])
     returned = found.node.type.ret_type

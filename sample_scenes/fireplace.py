@@ -1,8 +1,5 @@
 """A fire felt in an armchair, through the air: a persistent source that crackles, now more, now
-less, and warmth.
-
-The warmth is felt through the same contacts by functions of its own.
-"""
+less."""
 
 from __future__ import annotations
 
@@ -32,8 +29,6 @@ FRAMES = 120
 CHAIR_HEIGHT, LEAN = 0.42, math.radians(12)
 FIRE = Vector((-1.02, 0.0, 0.0))
 AIR_FADES = 0.6  # per metre
-EMBERS_WARMER = 600.0  # kelvin, than the room
-WARMTH_FADES = 0.8  # per metre
 
 
 def build(scene: Scene) -> None:
@@ -46,7 +41,7 @@ def build(scene: Scene) -> None:
     )
     make_static(scene, place(scene, "Floor", _floor(), boards), HARDWOOD, "BOX")
     _add_fireplace(scene)
-    fire = _add_fire(scene)
+    _add_fire(scene)
     cloth, wood = (
         surface("Green Cloth", "#4d6b57", 0.9, mottle=0.15, mottle_scale=30.0),
         surface("Dark Wood", "#3f2718", 0.4),
@@ -60,19 +55,7 @@ def build(scene: Scene) -> None:
         scene, "Air", box((2.5, 1.5, 1.75)).moved(-0.05, 0.0, 0.92), (surface("Air", "#9fc4e8"),)
     )
     make_medium(air, AIR_FADES)
-    _let_warm(scene, fire, air)
     _add_surroundings(scene)
-
-
-def _let_warm(scene: Scene, fire: Object, air: Object) -> None:
-    """The logs are hot all over; the air between carries radiation and draught, which fade with
-    distance alone."""
-    scene.haptics.modalities.thermal.enabled = True
-    embers = fire.haptics.modalities.thermal
-    embers.function, embers.constant = "constant", 1.0
-    embers.is_source, embers.source_value = True, EMBERS_WARMER
-    air.haptics.modalities.thermal.function = "exponential"
-    air.haptics.modalities.thermal.alpha = WARMTH_FADES
 
 
 def _floor() -> Geometry:
@@ -157,7 +140,7 @@ def _bricks(depth: float, width: float, height: float) -> Geometry:
     return joined(bricks)
 
 
-def _add_fire(scene: Scene) -> Object:
+def _add_fire(scene: Scene) -> None:
     """Logs on the hearth, which are the source; flames, nothing haptic, that flicker."""
     bark, ember = (
         surface("Bark", "#4a3325", 0.9, mottle=0.4, mottle_scale=20.0),
@@ -198,7 +181,6 @@ def _add_fire(scene: Scene) -> Object:
         )
     glow = add_point_light(scene, "Fire Light", (FIRE.x + 0.12, 0.0, 0.42), 45.0, 0.15, "#ff9a4a")
     animate(glow.data, "energy", {frame: 50.0 * value for frame, value in strength.items()})
-    return fire
 
 
 def _add_surroundings(scene: Scene) -> Object:

@@ -17,7 +17,6 @@ _PAGES = {
     "devices": "ops.haptic.*device types.haptic*devi types.hapticlive types.hapticactuator",
     "panels/scene": "ops.haptic. types.hapticscene types.hapticrule types.hapticimpact "
     "types.haptictransmission types.haptictexture",
-    "panels/warmth": "types.hapticthermal",
     "formats": "ops.import_scene.haptic ops.export_scene.haptic",
     **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("listener", "object")},
 }

@@ -15,8 +15,6 @@ from ...core.formats.export import Export
 from ...core.formats.scene.recording import Recording, SceneRecorder
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.formats.tracks.track_recorder import TrackRecorder
-from ...core.modalities import MODALITIES
-from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import HapticScene
 from ..blender.words import TranslatedError
@@ -179,15 +177,9 @@ def expected(scene: bpy.types.Scene, ranged: bool, collection: str = "") -> Expo
     tracks = (
         Tracks(listeners, 8000, np.zeros((len(listeners), 1))) if ranged and listeners else None
     )
-    modalities = tuple(
-        ModalityScene(item)
-        for item in MODALITIES.values()
-        if getattr(scene.haptics.modalities, item.name).enabled
-    )
     return Export(
         "scene",
         HapticScene(),
         tracks,
         Recording(1.0, 1, ()) if ranged else None,
-        modalities=modalities,
     )

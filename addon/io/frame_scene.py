@@ -16,8 +16,6 @@ from bpy.types import Context, Depsgraph, Object
 from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of
 from ...core.forms import JsonObject
-from ...core.modalities import MODALITIES
-from ...core.modalities.propagation import ModalityScene
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import (
     Contact,
@@ -31,7 +29,6 @@ from ...core.scene.values import (
 from ..blender.full_names import object_named
 from ..blender.single_precision import shortest
 from ..scene_reader.imported import FileContacts, file_contacts, stored_extras
-from ..scene_reader.modalities import read_modality
 from ..scene_reader.problem import why_untraced
 from ..scene_reader.reading import Reading
 from ..session import session
@@ -106,25 +103,6 @@ def written_frame(
     )
 
 
-def written_modalities(
-    scene: bpy.types.Scene, frame: HapticScene, names: Collection[str] | None = None
-) -> tuple[ModalityScene, ...]:
-    """The current properties of ``scene`` for modalities other than vibration, on the objects of a
-    written ``frame``; ``names``: only sources of these names. Raises ValueError with a message for
-    the user."""
-    objects = {item.name for item in frame.objects}
-    found = (read_modality(modality, scene, objects) for modality in MODALITIES.values())
-    return tuple(
-        item
-        if names is None
-        else replace(
-            item, emitters=tuple(emitter for emitter in item.emitters if emitter.name in names)
-        )
-        for item in found
-        if not item.is_empty
-    )
-
-
 def written_export(
     name: str,
     scene: bpy.types.Scene,
@@ -132,13 +110,12 @@ def written_export(
     names: Collection[str] | None = None,
     **more: Any,
 ) -> Export:
-    """A written frame of ``scene`` with materials, devices and modalities; ``names``: only those of
+    """A written frame of ``scene`` with materials and devices; ``names``: only those of
     these objects. Raises ValueError with a message for the user."""
     return Export(
         name,
         frame,
         devices=written_devices(scene, frame.listeners),
-        modalities=written_modalities(scene, frame, names),
         materials=written_materials(scene, frame.objects, names is None),
         **more,
     )

@@ -6,12 +6,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from bpy.types import Object
-
 from ...core.formats.scene.values_json import item_to_dict
-from ...core.modalities import Modality
-from ...core.modalities.propagation import ModalityScene
-from ...core.scene.functions import ALL_FUNCTIONS, ModulationFunction, function_from_dict
+from ...core.scene.functions import ModulationFunction
 from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
 from ...core.scene.rules import ContactSettings
 from ...core.scene.texture import Texture
@@ -34,34 +30,6 @@ def write_body(haptics: Any, item: HapticObject) -> None:
         haptics.material.use_bands = bool(function.spectrum.band_decays)
         if function.spectrum.band_decays:
             write_values(haptics.material, function.spectrum)
-
-
-def write_modality(obj: Object, part: ModalityScene, name: str) -> dict[str, float]:
-    """Set an object's properties to those of the object ``name`` for a modality. Returns their
-    numbers by property, to be stored."""
-    modality = part.modality
-    form = part.forms.get(name, {"function": part.modality.default_function})
-    group = getattr(obj.haptics.modalities, modality.name)
-    items = [modality.values(**part.values.get(name, {}))]
-    group.function = form["function"]
-    if group.function != modality.default_function:
-        items.append(function_from_dict(form, ALL_FUNCTIONS))
-    return numbers_of(modality, group, *items)
-
-
-def numbers_of(modality: Modality, group: Any, *items: Any) -> dict[str, float]:
-    """Set the properties of a modality's ``group`` to ``items``. Returns their numbers as
-    ``modality.property``."""
-    found: dict[str, float] = {}
-    for item in items:
-        write_values(group, item)
-        values = {name: getattr(item, key) for key, name in group.held.get(type(item), {}).items()}
-        found |= {
-            f"{modality.name}.{name}": value
-            for name, value in values.items()
-            if isinstance(value, float | int)
-        }
-    return found
 
 
 def write_source(source: Any, item: Source, placed: bool = True) -> None:

@@ -17,8 +17,6 @@ from ...core.formats.export import Export
 from ...core.formats.scene.recording import pair_of, without_rubbing
 from ...core.formats.scene.values_json import item_to_dict
 from ...core.forms import Form
-from ...core.modalities import MODALITIES
-from ...core.modalities.propagation import Emitter, ModalityScene
 from ...core.scene.functions import Identity, ModulationFunction
 from ...core.scene.values import Contact, HapticObject, Listener, Pose, Source, Vector
 from ..blender.single_precision import shortest
@@ -27,18 +25,16 @@ from ..properties.actuators import MUTED as ACTUATORS_MUTED
 from ..properties.declared import write_values
 from ..properties.materials import add_material, own_values
 from ..scene_reader.functions import read_transmission
-from ..scene_reader.imported import file_contacts, near, text_of, text_of_contacts, text_with
+from ..scene_reader.imported import file_contacts, near, text_of, text_of_contacts
 from ..scene_reader.objects import read_object
 from .devices import take_devices
 from .frame_scene import EXTRAS, MUTED
 from .keyframes import local_place, write_keyframes
 from .materials import take_materials
 from .property_writer import (
-    numbers_of,
     stored_text,
     write_body,
     write_listener,
-    write_modality,
     write_source,
     write_tables,
 )
@@ -66,7 +62,6 @@ def build(export: Export, scene: bpy.types.Scene, settings: bool = True) -> list
         for listener in builder.haptic.listeners:
             builder.add_listener(listener)
         builder.add_devices()
-        builder.add_emitters()
         if settings:
             builder.take_settings()
         builder.keep_contacts()
@@ -114,7 +109,6 @@ class _Builder:
             self.lose("material of that name is another one in this scene", name)
 
     def add_objects(self) -> None:
-        parts = {part.modality.name: part for part in self.export.modalities}
         metres = metres_per_unit(self.scene)
         for item in self.haptic.objects:
             shape = item.shape
@@ -138,15 +132,9 @@ class _Builder:
             if material in self.scene.haptics.materials.items:
                 haptics.material.name = material  # and its values, which the object's own replace
             write_body(haptics, item)
-            numbers: dict[str, float] = {}
-            for modality in MODALITIES.values():
-                numbers |= write_modality(
-                    obj, parts.get(modality.name, ModalityScene(modality)), item.name
-                )
             haptics.imported = stored_text(
                 replace(item, shape=None if guessed else shape, pose=pose, material=""),
                 motion=item.motion.value,
-                numbers=numbers,
             )
             if material and material not in self.scene.haptics.materials.items:
                 add_material(self.scene, material, own_values(obj))
@@ -177,20 +165,6 @@ class _Builder:
         if muted:
             obj.haptics.live_output.actuators = ACTUATORS_MUTED
 
-    def add_emitters(self) -> None:
-        """Add sources of other modalities, each on the source or listener with its name and
-        position if there is one."""
-        for part in self.export.modalities:
-            name = part.modality.name
-            for emitter in part.emitters:
-                obj = self._holder(emitter, name)
-                group = getattr(obj.haptics.modalities, name)
-                group.is_source = True
-                numbers = numbers_of(part.modality, group, part.modality.source(emitter.value))
-                obj.haptics.imported = text_with(
-                    obj.haptics.imported, {name: emitter.position}, numbers
-                )
-
     def add_devices(self) -> None:
         """Add the devices and the listeners' choices of actuators."""
         listeners = {
@@ -214,8 +188,6 @@ class _Builder:
             if not isinstance(value, list) or key in ("gravity", "passing")
         }
         haptics.imported = text_of(settings=item_to_dict(settings), rules=rules, extras=extras)
-        for part in self.export.modalities:
-            getattr(haptics.modalities, part.modality.name).enabled = part.enabled
 
     def _take_rules(self) -> None:
         """Apply the rules of contacts and impacts."""
@@ -317,8 +289,8 @@ class _Builder:
             self.lose("renamed", f"{name} to {obj.name_full}")
         return obj
 
-    def _holder(self, item: Source | Listener | Emitter, role: str) -> Object:
-        """The object for a source or listener, or for the source of a modality."""
+    def _holder(self, item: Source | Listener, role: str) -> Object:
+        """The object for a source or listener."""
         carrier = self.objects[item.object]
         pose = self.poses[item.object]
         place = local_place(item.position, pose)

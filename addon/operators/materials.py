@@ -84,10 +84,7 @@ class HAPTIC_OT_apply_material(OnSelected):
         if properties.name:
             return ""
         speed = f", {material.wave_speed:g} m/s" if material.wave_speed else ""
-        return (
-            f"κ {material.kappa:g}, ρ {material.rho:g}, (1 - κ) ρ = {material.k:.2f}{speed}, "
-            f"{material.conductivity:g} W/(m·K)"
-        )
+        return f"κ {material.kappa:g}, ρ {material.rho:g}, (1 - κ) ρ = {material.k:.2f}{speed}"
 
     def apply(self, context: Context) -> None:
         chosen = library.targets(context, self.target)

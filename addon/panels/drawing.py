@@ -63,7 +63,6 @@ _PAGES = {
     "quick_start": "tutorial",
     "export": "formats",
     "vr": "vr",
-    "modalities": "panels/warmth",
 }
 """Documentation pages by panel module, if they differ from the module's name."""
 

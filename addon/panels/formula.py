@@ -45,7 +45,7 @@ def draw_parameters(
             layout, group.expression, _checked(group.expression, kappa, rho, epsilon, on_contact)
         )
         return
-    draw_held(layout, group, functions.ALL_FUNCTIONS[group.function])
+    draw_held(layout, group, functions.TRANSMISSIONS[group.function])
 
 
 def draw_finding(

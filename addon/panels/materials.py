@@ -19,7 +19,6 @@ _WITH_OBJECTS = (
     "wave_speed",
     "use_bands",
     "band_decays",
-    "conductivity",
 )
 """Values of a material that the panels of its objects show."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from bpy.props import EnumProperty
 
 from ...core.scene.functions import (
-    ALL_FUNCTIONS,
     FUNCTIONS,
     Constant,
     Exponential,
@@ -14,6 +13,7 @@ from ...core.scene.functions import (
     NormalForce,
     Resilient,
 )
+from ...core.scene.functions import TRANSMISSIONS as ALL_FUNCTIONS
 from .declared import holding, items_of
 from .kinds import choice
 

@@ -53,7 +53,7 @@ SHARED = tuple(name for name in shown(LibraryMaterial) if name != "use_delay")
 def holders(obj: Object) -> dict[str, Any]:
     """The property group that holds each shared value of an object."""
     haptics = obj.haptics
-    groups = haptics, haptics.material, haptics.modalities.thermal
+    groups = haptics, haptics.material
     return {name: group for group in groups for name in SHARED if name in group.bl_rna.properties}
 
 

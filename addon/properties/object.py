@@ -7,7 +7,7 @@ from bpy.types import Object, PropertyGroup
 
 from ...core.scene.functions import Physical, Spectrum
 from ...core.scene.values import HapticObject
-from . import live_output, materials, modalities
+from . import live_output, materials
 from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
 from .function import VIBRATION_FUNCTIONS, FunctionParameters, function_property
@@ -65,7 +65,6 @@ class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
     source: PointerProperty(type=HapticSourceProperties)
     listener: PointerProperty(type=HapticListenerProperties)
     material: PointerProperty(type=materials.HapticObjectMaterial)
-    modalities: PointerProperty(type=modalities.HapticObjectModalities)
     body: reference(
         Object,
         "Body",

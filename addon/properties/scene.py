@@ -7,7 +7,7 @@ from bpy.types import PropertyGroup
 
 from ...core.scene.rules import ContactSettings
 from ...core.scene.values import Settings
-from . import bake, live_output, materials, modalities, rules
+from . import bake, live_output, materials, rules
 from .callbacks import Stored, changed, scene_changed, updating, view_changed
 from .declared import holding
 from .kinds import choice, switch, text
@@ -122,7 +122,6 @@ class HapticSceneProperties(Stored, PropertyGroup):
     meters: PointerProperty(type=HapticMetersProperties)
     live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
     materials: PointerProperty(type=materials.HapticMaterialLibrary)
-    modalities: PointerProperty(type=modalities.HapticSceneModalities)
     imported_contacts: text(
         "Imported Contacts",
         "The contacts of an imported file, which count while objects stand where it put them",

@@ -39,7 +39,6 @@ from ..panels import (
 )
 from ..panels import live_output as live_output_panels
 from ..panels import materials as materials_panels
-from ..panels import modalities as modalities_panels
 from ..panels import rules as rules_panels
 from ..panels import sound as sound_panels
 from ..panels import vr as vr_panels
@@ -69,7 +68,6 @@ CLASSES = (
         export,
     ),
     *classes_of(materials_panels),
-    *modalities_panels.PANELS,
     *classes_of(
         rules_panels, bake_panel, live_output_panels, vr_operators, vr_panels, object_menus
     ),

@@ -20,7 +20,6 @@ from ..properties import (
     listener,
     live_output,
     materials,
-    modalities,
     object,
     rules,
     scene,
@@ -45,7 +44,6 @@ def classes_of(*modules: ModuleType) -> tuple[type, ...]:
 
 CLASSES = (
     *classes_of(bake, live_output, materials),
-    *modalities.GROUPS,
     *classes_of(drawing, sound, source, listener, object, rules, scene),
 )
 """The property groups, each after those that it contains."""

@@ -85,11 +85,11 @@ _NOT_FELT = frozenset(
             "bake",
             "meters",
         ),
-        *("live_output", "materials", "modalities", "kept_impacts", "sound"),
+        *("live_output", "materials", "kept_impacts", "sound"),
         *("full_scale", "full_scale_unit", "full_scale_source"),
     }
 )
-"""Properties that change nothing of what is baked: of the view, of output, of other modalities, and
+"""Properties that change nothing of what is baked: of the view, of output, and
 those whose values objects copy."""
 _BONE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 

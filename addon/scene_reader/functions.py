@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from ...core.scene.functions import ALL_FUNCTIONS, Identity, ModulationFunction, Spectrum
+from ...core.scene.functions import TRANSMISSIONS, Identity, ModulationFunction, Spectrum
 from ..properties.declared import read_values
 from .imported import fields_of, stored_item
 
@@ -28,7 +28,7 @@ def function_of(
     group: Any, stored: ModulationFunction | None, spectrum: Spectrum
 ) -> ModulationFunction:
     """The function that a group's properties choose, with their parameters. Raises ValueError."""
-    cls = ALL_FUNCTIONS[group.function]
+    cls = TRANSMISSIONS[group.function]
     known = fields_of(stored) if isinstance(stored, cls) else {}
     values = read_values(cls, group, known)
     return _made(group.function, tuple(values), (spectrum, *values.values()))
@@ -38,7 +38,7 @@ def function_of(
 def _made(kind: str, names: tuple[str, ...], values: tuple[Any, ...]) -> ModulationFunction:
     """A function of a kind with its spectrum and the named values: the same one for all objects
     like it."""
-    return ALL_FUNCTIONS[kind](**dict(zip(("spectrum", *names), values, strict=True)))
+    return TRANSMISSIONS[kind](**dict(zip(("spectrum", *names), values, strict=True)))
 
 
 def read_transmission(row: Any) -> tuple[ModulationFunction, str]:

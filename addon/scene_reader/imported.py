@@ -134,26 +134,6 @@ def fields_of(item: Any) -> JsonObject:
     return {} if item is None else {key: getattr(item, key) for key in declared(item.__class__)}
 
 
-def text_with(text: str, emitters: Mapping[str, Vector], numbers: Mapping[str, float]) -> str:
-    """The text of an object with further emitters and numbers."""
-    form = stored(text, "modalities")
-    return text_of(
-        **{
-            **form,
-            "emitters": {**form.get("emitters", {}), **emitters},
-            "numbers": {**form.get("numbers", {}), **numbers},
-        }
-    )
-
-
-@lru_cache(maxsize=4096)
-def stored_modalities(text: str) -> tuple[Mapping[str, float], Mapping[str, Vector]]:
-    """The numbers of an object for modalities other than vibration, as ``modality.property``, and
-    its positions as their source."""
-    form = stored(text, "modalities")
-    return with_floats(form.get("numbers", {})), with_floats(form.get("emitters", {}))
-
-
 @lru_cache(maxsize=8)
 def file_contacts(text: str) -> FileContacts:
     """The stored contacts. Raises ValueError if the text is damaged."""

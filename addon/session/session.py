@@ -14,7 +14,6 @@ from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
 from ...core.events.frame import EXACT_FRAMES
-from ...core.modalities.propagation import Felt
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
 from ...core.render.mixdown import with_block
@@ -27,7 +26,6 @@ from ..changes.suspension import is_stepped
 from ..scene_reader.digest import motion_of
 from ..scene_reader.evaluation import Evaluation
 from ..scene_reader.kept_impacts import impacts_from_text, text_of_impacts
-from ..scene_reader.modalities import read_modalities
 from ..scene_reader.problem import Problem
 from ..scene_reader.reader import SceneReader
 from ..scene_reader.reading import Reading
@@ -261,9 +259,7 @@ def begin(
         if reading is not None:
             session.failure = reading.problems
         return
-    others, errors = read_modalities(scene, reading.objects)
-    # Other modalities need contacts without vibration, too.
-    session.tracer.collisions.lazy = live and not others
+    session.tracer.collisions.lazy = live
     session.tracer.collisions.settings = reading.contact_settings
     duration = frame_seconds(scene)
     whole = scene.frame_subframe == 0
@@ -283,8 +279,6 @@ def begin(
     request = TraceRequest(
         frame_of(scene, reading, continuous, restore, exact, heard, anew),
         reading,
-        others,
-        errors,
         1000 * (time.perf_counter() - started),
         {
             "blender_milliseconds": 1000 * sessions.evaluation_seconds(),
@@ -343,13 +337,12 @@ def _step(session: Session, request: TraceRequest, released: FrameResult | None)
         if request.frame.heard:
             session.history.feed(result)
             samples = session.history.all()
-        felt, errors = _felt(request, result)
         result = replace(
             result,
             milliseconds={"read": request.read_milliseconds, **result.milliseconds},
             statistics={**result.statistics, **request.statistics},
         )
-        traced = Traced(result, request.frame.settings, samples, request.reading, felt, errors)
+        traced = Traced(result, request.frame.settings, samples, request.reading)
     except Exception as error:
         if isinstance(error, ValueError):
             session.tracer.reset()
@@ -358,23 +351,6 @@ def _step(session: Session, request: TraceRequest, released: FrameResult | None)
         raise
     session.shown = traced
     return traced
-
-
-def _felt(request: TraceRequest, result: FrameResult) -> tuple[tuple[Felt, ...], tuple[str, ...]]:
-    """The values of the other modalities at the listeners, through the contacts of the traced
-    frame; and all errors."""
-    felt = []
-    errors = [*request.errors]
-    for own in request.modalities:
-        try:
-            felt.append(
-                own.felt(
-                    result.objects, result.contacts, result.listeners, request.reading.settings
-                )
-            )
-        except ValueError as error:
-            errors.append(f"{own.modality.title}: {error}")
-    return tuple(felt), tuple(errors)
 
 
 def _follow(session: Session) -> None:

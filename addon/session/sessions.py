@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from ...core.arrays import FloatArray
-    from ...core.modalities.propagation import Felt, ModalityScene
     from ...core.render.frame_result import FrameResult
     from ...core.render.history import History
     from ...core.scene.values import Settings
@@ -40,17 +39,14 @@ class Traced:
     everything they show.
 
     ``samples`` (l, n): the last samples of each listener, up to a second. ``reading``: the input of
-    the trace, None for a track. ``felt``: results of the other modalities. ``errors``: messages of
-    the core. ``paths``: the connections kept in a track, see `HapticTrack`. ``serial`` differs
-    between any two frames.
+    the trace, None for a track. ``paths``: the connections kept in a track, see `HapticTrack`.
+    ``serial`` differs between any two frames.
     """
 
     result: FrameResult
     settings: Settings
     samples: FloatArray
     reading: Reading | None = None
-    felt: tuple[Felt, ...] = ()
-    errors: tuple[str, ...] = ()
     paths: FloatArray | None = None
     serial: int = field(init=False, default_factory=count(1).__next__)
 
@@ -62,8 +58,6 @@ class TraceRequest:
     Attributes:
         frame: input of the tracer.
         reading: the scene in that frame.
-        modalities: its values for the other modalities.
-        errors: of reading these.
         read_milliseconds: time of reading.
         statistics: times of Blender's evaluation and of waiting for the frame before [ms].
         begun_at: time.monotonic() when it was begun.
@@ -71,8 +65,6 @@ class TraceRequest:
 
     frame: Frame
     reading: Reading
-    modalities: tuple[ModalityScene, ...]
-    errors: tuple[str, ...]
     read_milliseconds: float
     statistics: dict[str, float]
     begun_at: float
@@ -198,13 +190,6 @@ def shown(scene: Scene) -> Traced | None:
     return None if session is None else session.shown
 
 
-def felt_in(scene: Scene) -> tuple[Felt, ...]:
-    """The results of the last complete frame of a scene for the enabled modalities other than
-    vibration."""
-    traced = shown(scene)
-    return () if traced is None else traced.felt
-
-
 def is_begun(scene: Scene) -> bool:
     """True if a frame was traced, or is being traced, also if undo has dropped its result."""
     session = known(scene)
@@ -237,7 +222,7 @@ def problems_in(traced: Traced) -> tuple[Problem, ...]:
     """The problems of a frame, in the language of the interface."""
     read = () if traced.reading is None else traced.reading.problems
     warnings = (Problem(warning.object, sentence(warning)) for warning in traced.result.warnings)
-    return (*read, *warnings, *(Problem("", error) for error in traced.errors))
+    return (*read, *warnings)
 
 
 @contextmanager

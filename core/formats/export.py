@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..forms import Form
-from ..modalities.propagation import ModalityScene
 from ..scene.device_mapping import DeviceMapping
 from ..scene.library import LibraryMaterial
 from ..scene.values import HapticScene
@@ -29,7 +28,6 @@ class Export:
     tracks: Tracks | None = None
     recording: Recording | None = None
     devices: tuple[DeviceMapping, ...] = ()
-    modalities: tuple[ModalityScene, ...] = ()
     materials: tuple[LibraryMaterial, ...] = ()
     date: str = field(default_factory=lambda: datetime.date.today().isoformat())
     origin: Form | None = None

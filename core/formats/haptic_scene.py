@@ -1,4 +1,4 @@
-"""The haptic scene file: scene, materials, devices, modalities, frames and tracks."""
+"""The haptic scene file: scene, materials, devices, frames and tracks."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from .io.catalogue import SCENE
 from .io.strict_json import read_json
 from .scene.frames_json import frame_to_dict, recording_from_dict
 from .scene.lists_json import device_to_dict, devices_from_dict, materials_from_dict
-from .scene.modalities_json import modalities_from_dict, modalities_to_dict
 from .scene.motion import packed
 from .scene.scene_json import (
     PROVENANCE,
@@ -35,12 +34,6 @@ def loss(export: Export, options: Form) -> Iterator[str]:
     export.need_scene()
     if export.recording is not None and not options["frames"]:
         yield "what changes over time"
-    elif export.recording is not None:
-        yield from (
-            f"how {part.modality.title.lower()} changes over time"
-            for part in export.modalities
-            if part.enabled
-        )
     if export.tracks is not None and options["tracks"] == "none":
         yield "the rendered tracks, which can be rendered again"
     elif export.tracks is not None and options["encoding"] == "pcm16":
@@ -89,9 +82,6 @@ def write_export(
         document["materials"] = [item_to_dict(material) for material in export.materials]
     if export.devices:
         document["devices"] = [device_to_dict(device) for device in export.devices]
-    modalities = modalities_to_dict(export.modalities)
-    if modalities:
-        document["modalities"] = modalities
     if export.recording is not None and frames:
         document["frame_rate"] = export.recording.frame_rate
         document["frame_start"] = export.recording.frame_start
@@ -123,7 +113,6 @@ def export_of(document: Form, path: Path) -> Export:
         name=path.name.removesuffix(".gz").removesuffix(SUFFIX),
         scene=scene,
         devices=devices_from_dict(document, scene, path),
-        modalities=modalities_from_dict(document, scene, path),
         materials=materials_from_dict(document, path),
         recording=recording_from_dict(document, scene, path),
         tracks=tracks_from_dict(document, path),

@@ -7,7 +7,7 @@ from dataclasses import field
 from ..declaration import Declared, name_of, switch
 from ..frozen import frozen
 from .bands import BAND_COUNT
-from .functions.modulation import BAND_DECAYS, CONDUCTIVITY, WAVE_SPEED
+from .functions.modulation import BAND_DECAYS, WAVE_SPEED
 from .values import KAPPA, RHO
 
 
@@ -26,4 +26,3 @@ class LibraryMaterial(Declared):
         False, "Frequency Bands", "Attenuate each frequency band by its own value per metre"
     )
     band_decays: tuple[float, ...] = field(default=(0.0,) * BAND_COUNT, metadata=BAND_DECAYS)
-    conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)

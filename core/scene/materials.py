@@ -1,15 +1,15 @@
 """The material library: named materials and their propagation properties.
 
 The values are in `materials.json`. Measured, from the tables named below: ``density``,
-``wave_speed``, ``conductivity``, and, to an order of magnitude, ``loss_factor``. Chosen by design:
+``wave_speed`` and, to an order of magnitude, ``loss_factor``. Chosen by design:
 ``kappa`` and ``rho``, which are coefficients of the paper without physical meaning (only ``(1 -
 kappa) rho`` counts), so that neighbouring materials differ by more than the skin's difference
 threshold; and ``absorption`` of materials without a single wave speed.
 
 Wave speeds of solids are those of extensional waves in rods: CRC Handbook of Chemistry and Physics,
 "Speed of Sound in Various Media"; of building materials, cork, rubber and wood along the grain: The
-Engineering ToolBox, "Speed of Sound in common Solids". Thermal conductivities and densities: EN ISO
-10456, CIBSE Guide A tables 3.36 and 3.37; rocks: CRC Handbook. Loss factors: the usual values of
+Engineering ToolBox, "Speed of Sound in common Solids". Densities: EN ISO 10456,
+CIBSE Guide A tables 3.36 and 3.37; rocks: CRC Handbook. Loss factors: the usual values of
 Cremer, Heckl and Petersson, "Structure-Borne Sound"; they vary by a factor of 2 to 10 between
 specimens. Loose soil and sand: shear waves near the surface.
 
@@ -44,7 +44,7 @@ class Material:
 
     name: identifier in files and properties. title: name in menus. kappa, rho: the paper's
     coefficients, in [0, 1]. density: kg/m^3. wave_speed: m/s, 0 if there is no single speed.
-    absorption: extra attenuation at 100 Hz, in 1/m. conductivity: thermal, in W/(m K). words: names
+    absorption: extra attenuation at 100 Hz, in 1/m. words: names
     of the material, things: names of objects usually made of it, in lower case.
     """
 
@@ -55,7 +55,6 @@ class Material:
     density: float
     wave_speed: float
     absorption: float
-    conductivity: float
     words: tuple[str, ...] = ()
     things: tuple[str, ...] = ()
 
@@ -88,7 +87,7 @@ def _material(name: str, row: Form) -> Material:
     there is no single wave speed."""
     return Material(
         name=name,
-        **{key: row[key] for key in ("title", "kappa", "rho", "density", "conductivity")},
+        **{key: row[key] for key in ("title", "kappa", "rho", "density")},
         wave_speed=row.get("wave_speed", 0.0),
         absorption=absorption(row["loss_factor"], row["wave_speed"])
         if "wave_speed" in row

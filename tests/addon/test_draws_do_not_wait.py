@@ -88,7 +88,7 @@ def drawn(panel):
     """What a panel shows."""
     recorder = recording_layout.RecordingLayout()
     if not hasattr(panel, "poll") or panel.poll(bpy.context):
-        shown = SimpleNamespace(layout=recorder, modality=getattr(panel, "modality", None))
+        shown = SimpleNamespace(layout=recorder)
         for part in ("draw_header", "draw"):
             if hasattr(panel, part):
                 getattr(panel, part)(shown, bpy.context)

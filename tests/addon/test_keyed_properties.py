@@ -11,10 +11,7 @@ from haptic_tracing.addon.scene_reader.animated_curves import ENVELOPE, FREQUENC
 from haptic_tracing.addon.scene_reader.digest import changes, digest_of
 from haptic_tracing.addon.session import session, sessions
 
-NOT_TRACED = tuple(
-    f"haptics.{name}"
-    for name in ("bake.", "live_output.", "meters.", "modalities.", "felt.", "tracing")
-)
+NOT_TRACED = tuple(f"haptics.{name}" for name in ("bake.", "live_output.", "meters.", "tracing"))
 OVER_TIME = {FREQUENCY, ENVELOPE}
 """Read as curves, once for all frames."""
 

@@ -14,7 +14,6 @@ from haptic_tracing.addon import gateway
 LEAVES = {
     "arrays",
     "declaration",
-    "design",
     "devices",
     "diagnosis",
     "formats",
@@ -23,9 +22,6 @@ LEAVES = {
     "forms",
     "frozen",
     "message",
-    "modalities",
-    "modalities.modality",
-    "modalities.thermal",
     "plugins",
     "perception",  # closed forms: a listener has a calibration
     "render",

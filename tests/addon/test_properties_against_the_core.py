@@ -5,8 +5,7 @@ from haptic_tracing.addon.properties.live_output import HapticDeviceProperties
 from haptic_tracing.addon.properties.object import HapticObjectProperties
 from haptic_tracing.core.declaration import declared
 from haptic_tracing.core.devices.profiles import EARLIEST
-from haptic_tracing.core.modalities import MODALITIES
-from haptic_tracing.core.scene.functions import ALL_FUNCTIONS, FUNCTIONS
+from haptic_tracing.core.scene.functions import FUNCTIONS, TRANSMISSIONS
 
 
 def test_objects_offer_the_functions_of_vibration_in_the_cores_order():
@@ -16,10 +15,9 @@ def test_objects_offer_the_functions_of_vibration_in_the_cores_order():
     assert offered == list(FUNCTIONS)
 
 
-def test_every_function_of_a_modality_has_a_title_and_its_parameters_are_properties():
-    for modality in MODALITIES.values():
-        for name in modality.functions:
-            assert ALL_FUNCTIONS[name].label and ALL_FUNCTIONS[name].about
+def test_every_function_has_a_title_and_its_parameters_are_properties():
+    for function in TRANSMISSIONS.values():
+        assert function.label and function.about
     for function in FUNCTIONS.values():
         held = HapticObjectProperties.held.get(function, {})
         assert held.keys() == declared(function).keys()

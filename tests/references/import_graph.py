@@ -20,7 +20,7 @@ LAYERS = (
     ("core.events",),
     ("core.graph",),
     ("core.propagation", "core.collisions"),
-    ("core.render", "core.modalities"),
+    ("core.render",),
     ("core.tracer", "core.diagnosis", "core.felt"),
     ("core.formats",),
     ("core.run_time", "core.devices"),

@@ -9,7 +9,6 @@ from .checking import Finding, check_expression, excerpt
 from .contacts import Impedance, NormalForce, Resilient
 from .expression import MIXING_VARIABLES, compile_expression
 from .modulation import (
-    Conduction,
     Constant,
     Exponential,
     Expression,
@@ -20,4 +19,4 @@ from .modulation import (
     Spectrum,
 )
 from .physical import Physical, Wave
-from .registry import ALL_FUNCTIONS, FUNCTIONS, TRANSMISSIONS, function_from_dict
+from .registry import FUNCTIONS, TRANSMISSIONS, function_from_dict

@@ -49,14 +49,6 @@ WAVE_SPEED = number(
     soft=(0.0, 5000.0),
     unit="m/s",
 ).metadata
-CONDUCTIVITY = number(
-    MISSING,
-    "Conductivity",
-    "How well heat is conducted, in W/(m·K): steel 50, stone 2.8, wood 0.15",
-    0.01,
-    500.0,
-    unit="W/(m·K)",
-).metadata
 
 
 @frozen
@@ -330,37 +322,6 @@ class Expression(ModulationFunction):
                 f"{_first(distance, gains < 0):g} m; a gain is 0 or more"
             )
         return gains
-
-
-@frozen(kw_only=True)
-class Conduction(ModulationFunction):
-    """``exp(-m d)`` with ``m = sqrt(2 h / (k t))``: the excess temperature along a long plate that
-    is warm at one end.
-
-    It is the solution of the fin equation ``k t T'' = 2 h T`` (Incropera et al., "Fundamentals of
-    Heat and Mass Transfer", section 3.6). conductivity: k, W/(m K). thickness: t, metres. exchange:
-    h, W/(m^2 K), the heat transfer coefficient of either face; about 10 in still air.
-    """
-
-    name, label = "conduction", "Conduction"
-    about = (
-        "e^(-m d) with m = √(2 h / (k t)): fades as heat does that leaks into the air on its way"
-    )
-    conductivity: float = field(default=1.0, metadata=CONDUCTIVITY)
-    thickness: float = number(
-        0.1, "Thickness", "Extent perpendicular to the heat flow", 0.001, 10.0, unit="m"
-    )
-    exchange: float = number(
-        10.0,
-        "Heat Loss",
-        "What a face gives off to air: 5 still, 10 a calm room, 25 wind, in W/(m²·K)",
-        0.1,
-        200.0,
-        unit="W/(m²·K)",
-    )
-
-    def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
-        return 1.0, math.sqrt(2.0 * self.exchange / (self.conductivity * self.thickness))
 
 
 _NO_CONTACT: Mapping[str, Value] = {"area": 0.0, "depth": 0.0, "angle": 0.0, "force": 1.0}

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from ...forms import Form, JsonObject
 from .contacts import Impedance, NormalForce, Resilient
 from .modulation import (
-    Conduction,
     Constant,
     Exponential,
     Expression,
@@ -30,16 +29,14 @@ TRANSMISSIONS: dict[str, type[ModulationFunction]] = {
     **{cls.name: cls for cls in (Impedance, Resilient, NormalForce)},
 }
 """Transmission functions, of contacts, by their names in files."""
-ALL_FUNCTIONS: dict[str, type[ModulationFunction]] = {**TRANSMISSIONS, Conduction.name: Conduction}
-"""Functions of all modalities, by their names in files."""
 _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")
 
 
 def function_from_dict(
     form: Form, functions: Mapping[str, type[ModulationFunction]] = FUNCTIONS
 ) -> ModulationFunction:
-    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those of
-    its modality.
+    """The function of a scene file's ``{"function": name, parameters...}``; ``functions``: those
+    that it may be.
 
     Raises ValueError that names the key for an unknown name, an unknown parameter or a value out of
     range.

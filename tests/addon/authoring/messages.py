@@ -13,7 +13,6 @@ import bpy
 import haptic_tracing
 from haptic_tracing.addon.scene_reader.digest import TEXTS as CHANGES
 from haptic_tracing.addon.view import annotations
-from haptic_tracing.core.modalities import MODALITIES
 from haptic_tracing.core.scene import body_map
 
 ADDON = Path(haptic_tracing.__file__).parent / "addon"
@@ -48,7 +47,6 @@ _KEYWORDS = {"text", "heading"}
 def registered_texts() -> set[str]:
     """Labels, names and descriptions of the add-on's classes."""
     found = {text for cls in _classes() for text in _of_class(cls)}
-    found |= {words for modality in MODALITIES.values() for _, words in modality.sensations}
     found |= {*annotations.NAMES.values(), *CHANGES.values(), *get_args(body_map.View)}
     return {text for text in found if _has_words(text)}
 

@@ -23,7 +23,7 @@ _spec.loader.exec_module(recording_layout)
 
 def _draw(panel):
     layout = recording_layout.RecordingLayout()
-    drawn = SimpleNamespace(layout=layout, modality=getattr(panel, "modality", None))
+    drawn = SimpleNamespace(layout=layout)
     if hasattr(panel, "draw_header"):
         panel.draw_header(drawn, bpy.context)
     panel.draw(drawn, bpy.context)
@@ -104,12 +104,10 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
     armature = bpy.data.objects.new("armature", bpy.data.armatures.new("armature"))
     bpy.context.scene.collection.objects.link(armature)
     box.select_set(True)
-    bpy.context.scene.haptics.modalities.thermal.enabled = True
     from haptic_tracing.addon.panels import (
         export,
         listener,
         materials,
-        modalities,
         object,
         object_menus,
         output,
@@ -122,7 +120,7 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
 
     drawn = (
         *(scene, roles, output, settings, object, source, listener, result, export, materials),
-        *(modalities, object_menus),
+        object_menus,
     )
 
     for active in (None, box, empty, armature):
@@ -131,9 +129,8 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
             if made and active is box:
                 bpy.ops.haptic.apply_material(preset="rubber")
                 bpy.context.scene.haptics.materials.items[0].use_bands = True
-                box.haptics.modalities.thermal.is_source = True
                 bpy.context.scene.frame_set(2)
-            for cls in (*classes_of(*drawn), *modalities.PANELS):
+            for cls in classes_of(*drawn):
                 if hasattr(cls, "draw") and (not hasattr(cls, "poll") or cls.poll(bpy.context)):
                     layout = _draw(cls)
                     assert cls is object.HAPTIC_PT_object_settings or (

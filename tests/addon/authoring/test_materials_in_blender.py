@@ -41,7 +41,6 @@ def test_every_preset_is_applied_with_its_values(boxes, materials):
         haptics = boxes[0].haptics
         assert haptics.material.name == material.title
         assert (haptics.kappa, haptics.rho) == pytest.approx((material.kappa, material.rho))
-        assert haptics.modalities.thermal.conductivity == pytest.approx(material.conductivity)
         assert tuple(haptics.material.band_decays) == pytest.approx(material.band_decays, rel=1e-6)
     assert len(materials.items) == len(MATERIALS)
 
@@ -221,12 +220,10 @@ def test_every_part_of_a_material_is_shared(boxes, materials):
     assert item.name == "box 0"
     item.use_bands = True
     item.band_decays = (0, 1, 2, 3, 4, 5)
-    item.conductivity = 7.0
     item.use_delay, item.wave_speed = True, 123.0
     haptics = boxes[0].haptics
     assert haptics.material.use_bands
     assert tuple(haptics.material.band_decays) == (0, 1, 2, 3, 4, 5)
-    assert haptics.modalities.thermal.conductivity == pytest.approx(7.0)
     assert haptics.wave_speed == pytest.approx(123.0)
     item.use_delay = False
     assert haptics.wave_speed == 0

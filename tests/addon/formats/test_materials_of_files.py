@@ -25,7 +25,6 @@ def oak(add_box):
         "use_bands": True,
         "band_decays": decays,
     }
-    values["conductivity"] = 0.2
     item = add_material(scene, "oak", values)
     add_material(scene, "nothing is made of it", {"kappa": 0.9})
     boxes = [
@@ -33,7 +32,7 @@ def oak(add_box):
         for name, x in (("first", 0), ("second", 1), ("third", 5))
     ]
     materials.apply(boxes[:2], item)
-    boxes[1].haptics.kappa, boxes[1].haptics.modalities.thermal.conductivity = 0.45, 1.0
+    boxes[1].haptics.kappa = 0.45
     boxes[2].haptics.material.name = "ebony"
     boxes[2].haptics.rho = 0.6
     bpy.context.view_layer.update()
@@ -54,9 +53,6 @@ def test_the_library_comes_back_and_objects_keep_what_they_have(oak, tmp_path):
     found = {name: bpy.data.objects[name].haptics for name in ("first", "second", "third")}
     assert [found[name].material.name for name in found] == ["oak", "oak", "ebony"]
     assert [found[name].kappa for name in found] == pytest.approx([0.3, 0.45, 0.1])
-    assert [found[name].modalities.thermal.conductivity for name in found] == pytest.approx(
-        [0.2, 1.0, 1.0]
-    )
     assert exported(tmp_path / "b.json") == first
     items["oak"].kappa = 0.5  # and all that is made of it follows
     assert found["first"].kappa == pytest.approx(0.5)

@@ -286,12 +286,12 @@ MISTAKES: dict[str, Mistake] = {
     "sources misspelt": Mistake(
         ("sources",),
         Renamed("sorces"),
-        "/sorces: unknown key, did you mean 'sources'?; known are format, version, convention, settings, rules, objects, contacts, sources, listeners, materials, devices, modalities, frame_rate, frame_start, motions, frames, tracks, extras",
+        "/sorces: unknown key, did you mean 'sources'?; known are format, version, convention, settings, rules, objects, contacts, sources, listeners, materials, devices, frame_rate, frame_start, motions, frames, tracks, extras",
     ),
     "listeners in singular": Mistake(
         ("listeners",),
         Renamed("listener"),
-        "/listener: unknown key, did you mean 'listeners'?; known are format, version, convention, settings, rules, objects, contacts, sources, listeners, materials, devices, modalities, frame_rate, frame_start, motions, frames, tracks, extras",
+        "/listener: unknown key, did you mean 'listeners'?; known are format, version, convention, settings, rules, objects, contacts, sources, listeners, materials, devices, frame_rate, frame_start, motions, frames, tracks, extras",
     ),
     "strategy unknown": Mistake(
         ("settings", "strategy"),

@@ -52,9 +52,7 @@ def corpus(tmp_path_factory):
         for path in files
         if path.suffix in catalogue.readers() and ".transients" not in path.name
     }
-    everything = haptic_scene.read_export(
-        Path(__file__).parent / "corpus" / "good-devices-and-warmth.json"
-    )
+    everything = haptic_scene.read_export(Path(__file__).parent / "corpus" / "good-devices.json")
     haptic_scene.write_export(
         replace(everything, tracks=tracks), folder / "small.scene.json", tracks="inline"
     )

@@ -38,7 +38,6 @@ def test_values_make_a_function(material):
     assert 0 < material.kappa < 1
     assert 0 < material.rho <= 1
     assert 0.02 < material.k < 0.95
-    assert material.conductivity > 0
     assert len(material.band_decays) == BAND_COUNT
     function = HapticTracing(
         spectrum=Spectrum(band_decays=material.band_decays, wave_speed=material.wave_speed)

@@ -14,7 +14,7 @@ def state() -> str:
         own = obj.haptics
         objects[obj.name] = (
             own.enabled, own.material.name, round(own.kappa, 4), round(own.rho, 4), own.source.enabled, own.source.signal,
-            own.listener.enabled, own.listener.body_part, round(own.modalities.thermal.conductivity, 3), obj.rigid_body is not None,
+            own.listener.enabled, own.listener.body_part, obj.rigid_body is not None,
             [round(value, 3) for value in obj.matrix_world.translation], obj.select_get(),
         )  # fmt: skip
     library = [(item.name, round(item.kappa, 4)) for item in haptics.materials.items]
