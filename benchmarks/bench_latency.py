@@ -66,12 +66,14 @@ def build(bodies: int, haptic: bool) -> bpy.types.Scene:
         world.collection.objects.link(obj)
         obj.rigid_body.collision_shape = "BOX"
         obj.rigid_body.mass = 10.0
+        obj.haptics.function = "haptic_tracing"
         obj.haptics.enabled = haptic
     floor = bpy.data.objects.new("floor of the falling", mesh)
     scene.collection.objects.link(floor)
     floor.location, floor.scale = (22, 2, -0.15), (60, 60, 1)
     world.collection.objects.link(floor)
     floor.rigid_body.type, floor.rigid_body.collision_shape = "PASSIVE", "BOX"
+    floor.haptics.function = "haptic_tracing"
     floor.haptics.enabled = haptic
     return scene
 

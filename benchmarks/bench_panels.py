@@ -60,6 +60,7 @@ def lattice(edge: int) -> bpy.types.Scene:
     for place in (*np.ndindex(edge, edge, edge), (0, 0, edge + 1)):
         box = _added(scene, "box {} {} {}".format(*place), mesh)
         box.location = place
+        box.haptics.function = "haptic_tracing"
         box.haptics.enabled = True
     far = edge - 1
     for name, place, role in (

@@ -70,6 +70,7 @@ def _rigid(obj: bpy.types.Object, shape: str, kind: str = "ACTIVE") -> bpy.types
     bpy.context.scene.rigidbody_world.collection.objects.link(obj)
     body = obj.rigid_body
     body.type, body.collision_shape = kind, shape
+    obj.haptics.function = "haptic_tracing"
     obj.haptics.enabled = True
     return obj
 

@@ -68,6 +68,7 @@ def _body(
     assert obj is not None
     bpy.ops.rigidbody.object_add(type=motion)
     obj.rigid_body.collision_shape = kind
+    obj.haptics.function = "haptic_tracing"
     obj.haptics.enabled = True
     return obj
 

@@ -28,7 +28,8 @@ WEAK_BRIGHTNESS = 0.6
 
 def tag(scene: Scene, obj: Object, substance: Substance) -> Object:
     """Make ``obj`` a haptic object of a material of the library of ``scene``, with the preset's
-    values."""
+    values and the paper's function."""
+    obj.haptics.function = "haptic_tracing"
     obj.haptics.enabled = True
     library.apply([obj], library.preset_in(scene, substance))
     return obj

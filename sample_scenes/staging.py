@@ -178,8 +178,8 @@ def make_medium(obj: Object, alpha: float) -> Object:
     obj.hide_render = True
     obj.visible_shadow = False
     haptics = obj.haptics
-    haptics.enabled = haptics.medium = True
     haptics.function, haptics.alpha = "exponential", alpha
+    haptics.enabled = haptics.medium = True
     return obj
 
 

@@ -12,11 +12,12 @@ import bpy
 from bpy.types import Collection, Context, Depsgraph, Object, Scene
 
 from ...core.scene.coefficients import transfer_coefficient
-from ...core.scene.materials import MATERIALS, Material, guess
+from ...core.scene.materials import MATERIALS, Material, guess, preset_named
 from ...core.scene.measured import DAMPING, FLESH_CONTACT, felt_all_over, physical
 from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
 from ..blender.units import metres_per_unit
+from ..changes.suspension import suspended
 from ..properties import materials
 from ..properties.declared import held_values, write_values
 from ..properties.materials import SHARED, HapticMaterial, add_material, values_of
@@ -27,7 +28,7 @@ from .sizes import Sizes
 _BOUNDLESS = 1e6
 """Thickness and width [m] of what waves never fill."""
 _FLESH = MATERIALS["flesh"]
-_PRESETS = {material.title: material for material in MATERIALS.values()}
+_PLASTIC = MATERIALS["plastic"]
 _OF_ROBOTS = re.compile(r"(?i)(?<![a-z])(robot|urdf|gripper|(base_?)?links?|joint)(?![a-z])")
 
 
@@ -84,10 +85,14 @@ def apply(
 
 
 def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None:
-    """Make objects haptic, each of a preset or, with None, of the material that it has; unknown
-    ones damp like plastic. Their function is physical, unless one was chosen or the scene is as in
-    the paper."""
+    """Make objects haptic, each of a preset or, with None, of the material that it has, without one
+    of plastic. Their function is physical, unless one was chosen or the scene is as in the
+    paper."""
     is_physical = scene.haptics.strategy != "as_in_the_paper"
+    made_of = {
+        obj: material or (None if obj.haptics.material.name else _PLASTIC)
+        for obj, material in made_of.items()
+    }
     if (
         is_physical
         and _FLESH in made_of.values()
@@ -95,14 +100,28 @@ def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None
     ):
         _soften_flesh(scene)
     depsgraph = bpy.context.evaluated_depsgraph_get()
+    new = [obj for obj in made_of if not obj.haptics.is_property_set("function")]
+    for obj in new:
+        obj.haptics.function = "physical" if is_physical else "haptic_tracing"
     for obj in made_of:
         obj.haptics.enabled = True
     _apply_presets(scene, made_of, depsgraph)
     if is_physical:
         sizes = Sizes(depsgraph)
-        for obj in made_of:
-            if not obj.haptics.is_property_set("function"):
-                _damp(obj, preset_of(obj), sizes)
+        for obj in new:
+            _damp(obj, preset_of(obj), sizes)
+
+
+def become_haptic(obj: Object) -> None:
+    """Give an object that a script or its switch makes haptic what *Make Haptic* gives, but κ and
+    ρ that it has already."""
+    scene, haptics = bpy.context.scene, obj.haptics
+    own = {key: getattr(haptics, key) for key in ("kappa", "rho") if haptics.is_property_set(key)}
+    chosen = preset_of(obj) if haptics.material.name else guesses([obj])[obj]
+    with suspended():
+        make_haptic(scene, {obj: chosen})
+    for key, value in own.items():
+        setattr(haptics, key, value)
 
 
 def meet_flesh(scene: Scene, objects: Iterable[Object]) -> None:
@@ -126,7 +145,7 @@ def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
 
 def preset_of(obj: Object) -> Material | None:
     """The preset from which an object's library material was made, found by its title."""
-    return _PRESETS.get(obj.haptics.material.name.partition(".")[0])
+    return preset_named(obj.haptics.material.name)
 
 
 def make_physical(

@@ -30,6 +30,8 @@ device_adjusted = Event()
 """The settings of a device (HapticDeviceProperties)."""
 preview_adjusted = Event()
 """The settings of the preview as sound (HapticLiveOutputProperties)."""
+made_haptic = Event()
+"""An object became haptic by its property."""
 file_changed = Event()
 """Another file is loaded, or the add-on is disabled: everything cached about scenes is invalid."""
 disabled = Event()

@@ -21,10 +21,11 @@ from ..scene_reader.imported import text_of
 
 def write_body(haptics: Any, item: HapticObject) -> None:
     """Set an object's properties to ``item``."""
-    haptics.enabled = True
     write_values(haptics, item)
     function = item.propagation
-    if _choose(haptics, "function", function.name):
+    is_known = _choose(haptics, "function", function.name)
+    haptics.enabled = True
+    if is_known:
         write_values(haptics, function)
         write_values(haptics, function.spectrum)
         haptics.material.use_bands = bool(function.spectrum.band_decays)

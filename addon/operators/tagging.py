@@ -24,6 +24,7 @@ from ..blender.polling import (
 from ..blender.progress import progress
 from ..blender.units import metres_per_unit
 from ..blender.words import TranslatedError, report_text
+from ..changes.events import made_haptic
 from ..changes.suspension import suspended
 from ..properties.kinds import choice, switch, text
 from ..properties.signal_kinds import PLAIN
@@ -43,6 +44,9 @@ def make_haptic(scene: Scene, objects: list[Object], guess: bool = True) -> int:
     guesses = materials.guesses(unknown)
     materials.make_haptic(scene, {obj: guesses.get(obj) for obj in new})
     return sum(material is not None for material in guesses.values())
+
+
+made_haptic.subscribe(lambda obj: materials.become_haptic(obj))
 
 
 class HAPTIC_OT_make_objects(OnSelected):
@@ -75,29 +79,18 @@ class HAPTIC_OT_make_objects(OnSelected):
                 "meshes that are not linked from a library"
             )
             raise ValueError(linked_message(chosen) or message)
-        new = [obj for obj in solid if not obj.haptics.enabled]
+        new = [obj for obj in solid if not (obj.haptics.enabled or obj.haptics.material.name)]
         known = make_haptic(context.scene, solid, self.guess)
         if self.options.is_invoke and self.guess and len(new) > max(_FEW, 2 * known):
             bpy.ops.haptic.match_materials("INVOKE_DEFAULT")
         if self.physics:
             _add_physics(context, solid)
-        unknown = [obj.name for obj in new if not obj.haptics.material.name]
-        if unknown:
-            more = " " + report_text("and {} more", len(unknown) - 1) if len(unknown) > 1 else ""
-            words = "Made haptic: {}. Of unknown material: {}; choose it in Selected Object"
-            self.tell(words, len(solid), unknown[0] + more)
+        if len(new) > known:
+            words = "Made haptic: {}. Taken for plastic: {}; choose the material in Selected Object"
+            self.tell(words, len(solid), len(new) - known)
         else:
             words = "Objects made haptic: {}, with a guessed material: {}"
             self.tell(words, len(solid), known)
-
-
-class HAPTIC_OT_make_object(OnActive):
-    """Let vibration pass through this object; what it is made of is guessed from its name, shape and mass"""
-
-    bl_label = "Haptic Object"
-
-    def apply(self, context: Context) -> None:
-        make_haptic(context.scene, [context.object])
 
 
 def _add_physics(context: Context, objects: list[Object]) -> None:

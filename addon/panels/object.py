@@ -15,7 +15,7 @@ from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.functions import Physical
 from ...core.scene.values import HapticObject
-from ..blender.polling import SOLID_TYPES, is_editable
+from ..blender.polling import is_editable
 from ..blender.words import show_pair, ui_text
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
@@ -81,12 +81,7 @@ class HAPTIC_PT_object(ObjectPanel):
         return context.object is not None and context.object.type != "ARMATURE"
 
     def draw_header(self, context: Context) -> None:
-        obj = context.object
-        if obj.type in SOLID_TYPES and not obj.haptics.is_property_set("enabled"):
-            # The property alone would leave a new object the function of earlier scripts.
-            self.layout.operator("haptic.make_object", text="", icon="CHECKBOX_DEHLT", emboss=False)
-        else:
-            self.layout.prop(obj.haptics, "enabled", text="")
+        self.layout.prop(context.object.haptics, "enabled", text="")
 
     def draw(self, context: Context) -> None:
         layout = settings_layout(self, is_animated=True)
@@ -190,7 +185,7 @@ def _draw_material(
 ) -> None:
     row = layout.row(align=True)
     row.use_property_split = False
-    if not chosen.name and not scene.haptics.materials.items:
+    if not chosen.name:
         row.menu("HAPTIC_MT_materials", text="Own Values", icon="MATERIAL")
     else:
         row.prop_search(chosen, "name", scene.haptics.materials, "items", text="", icon="MATERIAL")

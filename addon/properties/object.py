@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from bpy.props import PointerProperty
-from bpy.types import Object, PropertyGroup
+from bpy.types import Context, Object, PropertyGroup
 
 from ...core.scene.functions import Physical, Spectrum
 from ...core.scene.values import HapticObject
+from ..changes.events import made_haptic
 from . import live_output, materials
 from .callbacks import Stored, changed, object_changed, updating
 from .declared import holding
@@ -16,6 +17,13 @@ from .listener import HapticListenerProperties
 from .source import HapticSourceProperties
 
 
+def _enabled_edited(self: HapticObjectProperties, context: Context) -> None:
+    """Give an object that is haptic for the first time what *Make Haptic* gives."""
+    if self.enabled and not self.is_property_set("function"):
+        made_haptic(self.id_data)
+    changed(self, context)
+
+
 @updating(object_changed)
 @holding(Physical, thickness="plate_thickness")
 @holding(Spectrum, "wave_speed")
@@ -23,8 +31,8 @@ from .source import HapticSourceProperties
 class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
     """A haptic object, which transmits signals."""
 
-    enabled: switch("Haptic Object", "Vibration passes through this object", update=changed)
-    function: function_property(VIBRATION_FUNCTIONS, "haptic_tracing")
+    enabled: switch("Haptic Object", "Vibration passes through this object", update=_enabled_edited)
+    function: function_property(VIBRATION_FUNCTIONS, "physical")
     surface: choice(
         "Surface",
         "Which surface of the object touches others; a rigid body touches by its own collision "

@@ -1,10 +1,11 @@
 """The material library: named materials and their propagation properties.
 
-The values are in `materials.json`. Measured, from the tables named below: ``density``,
-``wave_speed`` and, to an order of magnitude, ``loss_factor``. Chosen by design:
-``kappa`` and ``rho``, which are coefficients of the paper without physical meaning (only ``(1 -
-kappa) rho`` counts), so that neighbouring materials differ by more than the skin's difference
-threshold; and ``absorption`` of materials without a single wave speed.
+The values are in `materials.json`, designations of standards in `designations.json`. Measured,
+from the tables named below: ``density``, ``wave_speed`` and, to an order of
+magnitude, ``loss_factor``. Chosen by design: ``kappa`` and ``rho``, which are coefficients of the
+paper without physical meaning (only ``(1 - kappa) rho`` counts), so that neighbouring materials
+differ by more than the skin's difference threshold; and ``absorption`` of materials without a
+single wave speed.
 
 Wave speeds of solids are those of extensional waves in rods: CRC Handbook of Chemistry and Physics,
 "Speed of Sound in Various Media"; of building materials, cork, rubber and wood along the grain: The
@@ -102,24 +103,49 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
 )
 """The materials by name."""
 
+_TITLES = {material.title: material for material in MATERIALS.values()}
+
+
+def preset_named(name: str) -> Material | None:
+    """The material of the library with a name or title, which may be followed by Blender's number:
+    "steel", "Steel", "Steel.001"; None of another name."""
+    stem = name.partition(".")[0]
+    return MATERIALS.get(stem) or _TITLES.get(stem)
+
+
 _WORDS = {word: material for material in MATERIALS.values() for word in material.words}
 _THINGS = {word: material for material in MATERIALS.values() for word in material.things}
 _ENDINGS = ("", "s", "es", "en", "y", "ic", "ed")
 
 
+_DESIGNATIONS = tuple(
+    (re.compile(f"(?<![A-Za-z0-9])({row['pattern']})(?![A-Za-z0-9])"), MATERIALS[row["material"]])
+    for row in json.loads(Path(__file__).with_name("designations.json").read_text("utf-8"))
+)
+"""Designations of standards and trade names, each with its source in `designations.json`."""
+
+
 @lru_cache(maxsize=1024)
 def named_in(text: str) -> Material | None:
-    """The material suggested by an object's name: by a material in it ("Oak Bench.001",
-    "rustyMetal_2"), else by the kind of object ("Anvil").
+    """The material suggested by an object's name: by a standard's designation in it ("S235_zinc",
+    "PA66-GF30"), else by a material ("Oak Bench.001", "rustyMetal_2"), else by the kind of object
+    ("Anvil").
 
-    Of several the last counts ("Glass Table"); None without any.
+    Of several designations the first counts, which is that of the base, of several words the last
+    ("Glass Table"); None without any.
     """
+    places = ((pattern.search(text), material) for pattern, material in _DESIGNATIONS)
+    found = [(place.start(), material) for place, material in places if place is not None]
+    if found:
+        return min(found, key=lambda item: item[0])[1]
     words = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", text).lower())
     for known in (_WORDS, _THINGS):
         for word in reversed(words):
             for ending in _ENDINGS:
                 stem = word.removesuffix(ending)
-                if word.endswith(ending) and stem in known:
+                # "Tiny" is not of tin.
+                is_same = len(stem) > 3 or ending in ("", "s", "en")
+                if word.endswith(ending) and is_same and stem in known:
                     return known[stem]
     return None
 

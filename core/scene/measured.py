@@ -73,24 +73,6 @@ small actuator excites."""
 _LONGEST_PART = 1.0
 """Length [m] above which flesh that is not named after a part is a whole body."""
 
-SHEET = 0.01
-"""Thickness [m] of a sheet modelled as one surface."""
-
-
-def wall_of(size: tuple[float, float, float], volume: float, area: float) -> float:
-    """The thickness [m] of the wall of a closed body with the sizes of its bounding box, the
-    greatest first, from its volume [m³] and the area of its surface, inside and outside [m²].
-
-    It is 2 volume / area of a thin wall. A solid box has ``area / (2 volume) = 1/a + 1/b + 1/c``,
-    and solid cylinders and balls have the same: without the terms of the other two sizes, c is
-    left.
-    """
-    large, middle, small = size
-    if min(volume, middle) <= 0:
-        return small
-    rest = area / (2 * volume) - 1 / large - 1 / middle
-    return min(small, 1 / rest) if rest > 0 else small
-
 
 def physical(
     name: str,

@@ -253,7 +253,10 @@ class HapticObject:
         "", "impact_material", "Material of the signal of the object's impacts; empty: unknown"
     )
     material: str = text(
-        "", "", "Name of the material that the object is made of, for tables of rules"
+        "",
+        "",
+        "Name of the material that the object is made of: one of the library, such as steel, or "
+        "another for tables of rules",
     )
 
     def __post_init__(self) -> None:

@@ -79,34 +79,20 @@ def test_object_panel_shows_the_parameter_of_the_chosen_function(add_box):
 
 
 def test_the_checkbox_of_a_new_object_makes_it_haptic_as_the_button_does(add_box):
-    """A script that sets the property keeps the function of earlier versions, as does an object
-    that is switched on again."""
     boxes = [add_box(name, (0, 0, 0), (1, 1, 1), haptic=False) for name in ("Anvil", "Anvil 2")]
     by_button, by_checkbox = boxes
-    panel = _panel("HAPTIC_PT_object")
-    for box in boxes:
-        box.select_set(True)
-        _select(box)
-        layout = _draw(panel)
-        assert "haptic.make_object" in layout.operators and "enabled" not in layout.properties
-    assert bpy.ops.haptic.make_object() == {"FINISHED"}
-    assert not by_button.haptics.enabled
-    by_checkbox.select_set(False)
+    _select(by_checkbox)
+    assert "enabled" in _draw(_panel("HAPTIC_PT_object")).properties
+    by_checkbox.haptics.enabled = True
     by_button.select_set(True)
     bpy.ops.haptic.make_objects()
     values = [functions.read_function(box.haptics) for box in boxes]
     assert values[0] == values[1] and values[0].name == "physical"
-    assert [(box.haptics.material.name, box.haptics.surface) for box in boxes] == 2 * [
-        ("Steel", "SEEN")
-    ]
-    by_script = add_box("Anvil 3", (0, 0, 0), (1, 1, 1), haptic=False)
-    by_script.haptics.enabled = True
+    assert [box.haptics.material.name for box in boxes] == ["Steel", "Steel"]
+    by_checkbox.haptics.loss_factor = 0.5
     by_checkbox.haptics.enabled = False
-    for box, function in ((by_script, "haptic_tracing"), (by_checkbox, "physical")):
-        _select(box)
-        layout = _draw(panel)
-        assert "enabled" in layout.properties and "haptic.make_object" not in layout.operators
-        assert box.haptics.function == function
+    by_checkbox.haptics.enabled = True
+    assert by_checkbox.haptics.loss_factor == 0.5
 
 
 def test_the_panel_of_a_linked_object_offers_to_override_it(add_box, tmp_path):

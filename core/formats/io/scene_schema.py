@@ -157,6 +157,7 @@ def scene_schema() -> JsonObject:
         definitions[name] = {
             **outline,
             **item,
+            "required": outline.get("required", item["required"]),
             "properties": {**outline.get("properties", {}), **item["properties"]},
         }
     definitions["function"] |= function_schema()

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass, replace
 from enum import Enum
 from functools import cache, partial
 from inspect import signature
@@ -13,18 +13,22 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ...contacts.body_sizes import sizes_of
 from ...contacts.shapes import Shape, shape_from_dict
 from ...declaration import declared, default_of
 from ...forms import Form, JsonObject
 from ...scene.device_mapping import ActuatorMapping
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactLimits, ImpactRule
+from ...scene.materials import preset_named
+from ...scene.measured import physical
 from ...scene.references import Place, PlacedError, meant
 from ...scene.rule_table import Rule, RuleTable, Side
 from ...scene.rules import ContactSettings
+from ...scene.skeleton import part_in
 from ...scene.texture import Texture
 from ...scene.values import Contact, HapticObject, HapticScene, Listener, Pose, Source, Trigger
-from ...signals import Signal, signal_from_dict
+from ...signals import Signal, impact_material, signal_from_dict
 
 T = TypeVar("T")
 
@@ -62,11 +66,30 @@ def _arguments(make: Callable[..., Any]) -> tuple[frozenset[str], frozenset[str]
     )
 
 
-read_object = partial(read_value, HapticObject)
 read_contact = partial(read_value, Contact)
 read_source = partial(read_value, Source)
 read_listener = partial(read_value, Listener)
 read_rules = partial(read_value, ContactSettings)
+
+
+def read_object(form: Form, place: Place) -> HapticObject:
+    """An object. One that names a material of the library has what *Make Haptic* gives, unless it
+    says otherwise: the material's κ and ρ, its measured function by the sizes of the shape, of a
+    metre without one, and its impacts."""
+    material = preset_named(form.get("material", ""))
+    if material is None:
+        return read_value(HapticObject, form, place)
+    given = {
+        "kappa": material.kappa,
+        "rho": material.rho,
+        "impact_material": impact_material(material.name) or "",
+    }
+    item = read_value(HapticObject, {**given, **form}, place)
+    if "propagation" in form:
+        return item
+    sizes = (1.0, 1.0, 1.0) if item.shape is None else sizes_of(item.shape)
+    part = part_in(item.name) if material.name == "flesh" else ""
+    return replace(item, propagation=physical(material.name, sizes, part=part))
 
 
 def read_function(
@@ -163,7 +186,15 @@ def item_to_dict(item: Any) -> JsonObject:
     values = (
         (name, getattr(item, name), default) for name, default in _defaults(item.__class__).items()
     )
-    return {name: json_value(value) for name, value, default in values if value != default}
+    return {
+        name: json_value(value)
+        for name, value, default in values
+        if value != default or (name in _OF_MATERIAL and item.material)
+    }
+
+
+_OF_MATERIAL = ("propagation", "impact_material")
+"""Members of an object that follow from its material where they are left out."""
 
 
 @cache

@@ -304,15 +304,14 @@ def _selected_boxes(add_box, sizes):
 
 @pytest.mark.parametrize("guess", [True, False])
 def test_what_is_made_haptic_is_physical(add_box, guess):
-    """A thing of unknown material damps like plastic at its own K."""
+    """A thing of unknown material counts as plastic."""
     boxes = _selected_boxes(add_box, SIZES)
     bpy.ops.haptic.make_objects(guess=guess)
     for name, box in boxes.items():
         material = MATERIALS[PRESETS[name] if guess else "plastic"]
-        is_known = guess and name != "Thing"
         haptics, expected = box.haptics, physical(material.name, SIZES[name])
         assert (haptics.function, haptics.wave) == ("physical", expected.wave)
-        assert haptics.material.name == (material.title if is_known else "")
+        assert haptics.material.name == material.title
         assert (haptics.loss_factor, haptics.extent) == pytest.approx(
             (expected.loss_factor, expected.extent), rel=1e-6
         )
@@ -366,21 +365,6 @@ def test_flesh_on_steel_passes_on_half_and_flesh_on_flesh_everything(add_box, ad
     assert 20 * np.log10(traced().gains[0]) == pytest.approx([-6.02, -6.02], abs=0.02)
 
 
-def test_old_bodies_and_their_contacts_keep_their_levels(add_box, scene):
-    """A scene of an earlier version, with flesh in its library, gets no rule by what is made in it
-    later."""
-    (old,) = _selected_boxes(add_box, {"Old Human": (0.5, 0.3, 1.8)}).values()
-    old.haptics.enabled = True
-    bpy.ops.haptic.apply_material(preset="flesh")
-    _selected_boxes(add_box, {"New Human": (0.5, 0.3, 1.8)})
-    bpy.ops.haptic.make_objects()
-    assert (old.haptics.function, bpy.data.objects["New Human"].haptics.function) == (
-        "haptic_tracing",
-        "physical",
-    )
-    assert not scene.haptics.transmission_table.items
-
-
 def _made(*names):
     """The library's materials of the objects of these names after *Make Haptic*."""
     _select(*(bpy.data.objects[name] for name in names))
@@ -403,7 +387,7 @@ def test_nothing_of_a_robot_is_taken_for_flesh(add_box, scene):
         quadruped.objects.link(leg)
     for k, name in enumerate(("Human", "Table", "Wall")):
         add_box(name, (5 + k, 0, 0), (0.5, 0.3, 1.8), haptic=False)
-    assert _made("panda_hand", "FR upper leg", "Human") == ["", "", "Flesh"]
+    assert _made("panda_hand", "FR upper leg", "Human") == ["Plastic", "Plastic", "Flesh"]
 
 
 def test_the_table_of_names_is_asked_first_and_edited_once(add_box, scene):

@@ -119,13 +119,15 @@ def test_more_listeners_leave_a_body_as_it_is(body):
 @pytest.mark.parametrize("change", ["kappa", "function"])
 def test_what_was_chosen_by_hand_stays(body, change):
     body.haptics.enabled = True
+    assert body.haptics.material.name == "Flesh"
     if change == "kappa":
         body.haptics.kappa = 0.4
     else:
         bpy.ops.haptic.apply_material(preset="flesh")
         body.haptics.function = "constant"
     bpy.ops.haptic.add_default_listeners()
-    assert body.haptics.function == ("haptic_tracing" if change == "kappa" else "constant")
+    expected = ("physical", 0.4) if change == "kappa" else ("constant", 0.25)
+    assert (body.haptics.function, body.haptics.kappa) == (expected[0], pytest.approx(expected[1]))
 
 
 def test_without_a_body_it_says_so(add_box):

@@ -103,3 +103,38 @@ def test_shape_and_mass_tell_where_no_name_does():
 def test_anything_may_be_guessed_at(names, size, mass):
     found = guess(names, size, mass)
     assert found is None or found.name in MATERIALS
+
+
+@pytest.mark.parametrize(
+    ("names", "material"),
+    [
+        # EN 10025, EN 10027-2, EN 10027-1, AISI, DIN 17100, EN 10346, EN 1561
+        ("S235 S235JR S355J2+N S235_zinc 1.4301 1.0038 X5CrNi18-10 42CrMo4 AISI_304 316L "
+         "St37-2 DX51D+Z275 EN-GJL-250 C45 galvanised_bolt B500B verzinkt Inox tin_can", "steel"),
+        ("AlSi10Mg AlMg3 EN_AW-6060 6061-T6 3.2315 Al AZ91D", "aluminium"),  # EN 573, EN 1706
+        ("CuZn37 CW614N 2.0401 Zinc zink Zamak-5 Cu", "brass"),  # EN 12164, EN 1774
+        ("Pb lead Blei", "lead"),
+        # ISO 1043-1
+        ("ABS ABS_black PA66 PA66-GF30 PA6.6 PA12 POM POM-C PC PMMA PETG HDPE PE-HD PP PTFE PEEK "
+         "PVC polycarbonate GFK", "plastic"),
+        ("NBR NBR70 EPDM FKM SBR TPU TPE neoprene O-Ring_NBR", "rubber"),  # ISO 1629
+        ("MDF OSB OSB/3 HDF", "plywood"),  # EN 316, EN 300
+        ("C30/37 C25-30 LC25/28 Stahlbeton Estrich", "concrete"),  # EN 206
+        ("C24 GL24h BSH Timber", "softwood"),  # EN 338, EN 14080
+        ("EPS XPS styrofoam", "foam"),
+        ("GKB Plasterboard", "plaster"),
+    ],
+)  # fmt: skip
+def test_designations_of_standards_and_trade_names_are_known(names, material):
+    for name in names.split():
+        for text in (name, f"{name}.001", f"M_{name}", f"Housing {name}"):
+            found = named_in(text)
+            assert found is not None and found.name == material, text
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["Tiny", "Part 304", "Render 2024", "GRP_Part", "C10", "hips", "Group UP", "Version 5.6"],
+)
+def test_numbers_and_other_words_are_no_designations(name):
+    assert named_in(name) is None
