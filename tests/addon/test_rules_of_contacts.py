@@ -46,6 +46,7 @@ def test_impedances_of_physical_materials(standing, scene):
     for obj, density, speed in zip(standing, (7850.0, 1100.0), (5100.0, 60.0), strict=True):
         obj.haptics.function = "physical"
         obj.haptics.loss_factor, obj.haptics.extent, obj.haptics.material_k = 0.0, 0.1, 0.8
+        obj.haptics.reference_distance = 10.0  # so that patches are points
         obj.haptics.density, obj.haptics.phase_speed = density, speed
     add_rule(scene, "impedance")
     one, other = 7850.0 * 5100.0, 1100.0 * 60.0

@@ -79,12 +79,12 @@ MISTAKES: dict[str, Mistake] = {
     "misspelt kappa": Mistake(
         ("objects", 0, "kappa"),
         Renamed("kapa"),
-        "/objects/0/kappa: is required: is 'kapa' meant to be it?",
+        "/objects/0/kapa: unknown key, did you mean 'kappa'?; known are name, kappa, rho, propagation, shape, pose, mass, medium, extras, motion, layers, impact_material, material",
     ),
     "capital Rho": Mistake(
         ("objects", 0, "rho"),
         Renamed("Rho"),
-        "/objects/0/rho: is required: is 'Rho' meant to be it?",
+        "/objects/0/Rho: unknown key, did you mean 'rho'?; known are name, kappa, rho, propagation, shape, pose, mass, medium, extras, motion, layers, impact_material, material",
     ),
     "no rho": Mistake(("objects", 0, "rho"), GONE, "/objects/0/rho: is required"),
     "misspelt name": Mistake(
