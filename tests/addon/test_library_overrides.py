@@ -120,7 +120,7 @@ def test_every_property_edited_in_an_override_survives_saving(tmp_path: Path, fi
         "ObjectMaterial",
         "ThermalObject",
     }
-    assert groups >= {"FeltProperties", "ActuatorProperties", "Drawing", "Emphasis"}
+    assert groups >= {"ActuatorProperties", "Drawing", "Emphasis"}
     box, tree = _reload(tmp_path / "scene.blend")
     assert [_values(block.haptics) for block in (box, tree)] == edited
     box, tree = _reload(tmp_path / "scene.blend")  # and a second time, without an edit in between

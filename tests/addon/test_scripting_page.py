@@ -24,10 +24,10 @@ def test_the_snippets_tag_trace_bake_export_and_compute_again(tmp_path, monkeypa
             names,
         )
     assert len(snippets) == 7
-    result, found = names["result"], names["found"]
+    result = names["result"]
     assert result.path_objects(0, 0) == ("Ground", "Table")
     assert 0 < result.amplitudes[0, 0] < 0.8
-    assert found.gain[0, 0] == pytest.approx(result.gains[0, 0], rel=1e-6)
+    assert names["gain"] == pytest.approx(result.gains[0, 0], rel=1e-6)
     assert 0.8 * result.gains[0, 0] == pytest.approx(result.amplitudes[0, 0], rel=1e-6)
     assert {node for _, _, node in names["graph"].edges(data="connection")} == {"intra", "inter"}
     assert names["table"].haptics.material.name == "Hardwood"

@@ -64,8 +64,8 @@ def scene(empty_file: Path) -> Iterator[Any]:
 
 @pytest.fixture
 def add_box(scene: Any) -> Callable[..., Any]:
-    """Adds a box, as a rigid body where ``body`` is ACTIVE or PASSIVE, haptic unless said
-    otherwise."""
+    """Adds a box, as a rigid body where ``body`` is ACTIVE or PASSIVE, haptic with the
+    paper's function unless said otherwise."""
 
     def add(
         name: str,
@@ -88,6 +88,7 @@ def add_box(scene: Any) -> Callable[..., Any]:
                 bpy.ops.rigidbody.object_add(type=body)
             obj.rigid_body.mass = mass
         if haptic:
+            obj.haptics.function = "haptic_tracing"
             obj.haptics.enabled = True
         return obj
 
