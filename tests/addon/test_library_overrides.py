@@ -118,7 +118,6 @@ def test_every_property_edited_in_an_override_survives_saving(tmp_path: Path, fi
         "SoundProperties",
         "ListenerProperties",
         "ObjectMaterial",
-        "ThermalObject",
     }
     assert groups >= {"ActuatorProperties", "Drawing", "Emphasis"}
     box, tree = _reload(tmp_path / "scene.blend")
