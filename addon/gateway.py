@@ -22,7 +22,7 @@ from typing import Any
 
 _LENT = {
     "addon.authoring": "body_kit materials",
-    "addon.bake": "baking playback sound storage takes waves",
+    "addon.bake": "baking playback storage takes waves",
     "addon.io": "capture drawings frame_scene scene_builder signal_library sound_source "
     "vibration_signal",
     "addon.live_output": "outputs player preview",

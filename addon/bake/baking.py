@@ -1,5 +1,4 @@
-"""A bake as a job in steps, so that Blender stays responsive: frame after frame, then the track
-and the sound strip."""
+"""A bake as a job in steps, so that Blender stays responsive: frame after frame, then the track."""
 
 from __future__ import annotations
 
@@ -12,12 +11,10 @@ from ...core.scene.values import Mode
 from ..blender.job import Job, Report
 from ..blender.words import TranslatedError, report_text
 from ..changes.redraw import redraw_viewports
-from ..changes.suspension import suspended
 from ..scene_reader.digest import digest_of, motion_of
 from ..scene_reader.kept_impacts import text_of_impacts
 from ..session import session, timeline
-from . import sound, storage
-from .playback import wanted_range
+from . import storage
 from .track import BakeRecorder, check_size
 
 
@@ -28,22 +25,20 @@ def bake_job(scene: Scene) -> Job:
     Raises ValueError, with a message for the user, if the range is empty; the steps raise it if a
     frame cannot be traced, if there is no listener, and if the track would be too large.
     """
-    first, last = wanted_range(scene)
+    first, last = scene.frame_start, scene.frame_end
     if last < first:
         raise TranslatedError("The frame range {} to {} is empty", first, last)
     count = last - first + 1
-    warnings: list[str] = []
 
     def reports(running: Job) -> list[Report]:
         running.progress(1.0)
         done = report_text("1 frame baked") if count == 1 else report_text("{} frames baked", count)
-        return [({"WARNING"} if warnings else {"INFO"}, "; ".join((done, *warnings)))]
+        return [({"INFO"}, done)]
 
-    return Job("Baking", count, _steps(scene, first, last, warnings), reports, undo="Bake Haptics")
+    return Job("Baking", count, _steps(scene, first, last), reports, undo="Bake Haptics")
 
 
-def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generator[None, None, None]:
-    """Bake; ``warnings`` collects what could not be done."""
+def _steps(scene: Scene, first: int, last: int) -> Generator[None, None, None]:
     recorder = BakeRecorder()
     digest = digest_of(scene)
     motion = motion_of(scene)
@@ -67,11 +62,4 @@ def _steps(scene: Scene, first: int, last: int, warnings: list[str]) -> Generato
     track = recorder.track(digest, frame_duration)
     del recorder
     storage.keep(scene, track)
-    if scene.haptics.bake.write_sound:
-        yield
-        try:
-            with suspended():
-                sound.add_strip(scene, track)
-        except (OSError, ValueError) as error:
-            warnings.append(f"no sound strip: {error}")
     redraw_viewports()

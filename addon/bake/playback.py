@@ -176,7 +176,7 @@ def stale_reasons(scene: Scene) -> tuple[str, ...]:
 
 def compare(scene: Scene, track: HapticTrack) -> tuple[Change, ...]:
     """The differences between a scene and its baked track."""
-    first, last = wanted_range(scene)
+    first, last = scene.frame_start, scene.frame_end
     found = changes(track.digest, digest_of(scene))
     if first < track.frame_start or last > track.frame_end:
         return (("range", first, last, track.frame_start, track.frame_end), *found)
@@ -190,16 +190,6 @@ def fitting_track(scene: Scene, start: int, end: int) -> HapticTrack | None:
     if track is None or start < track.frame_start or end > track.frame_end or compare(scene, track):
         return None
     return None if traced is not None and _differs(traced, track) else track
-
-
-def wanted_range(scene: Scene) -> tuple[int, int]:
-    """The frames to bake."""
-    bake = scene.haptics.bake
-    return (
-        (bake.frame_start, bake.frame_end)
-        if bake.use_range
-        else (scene.frame_start, scene.frame_end)
-    )
 
 
 def forget() -> None:

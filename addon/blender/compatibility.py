@@ -76,13 +76,6 @@ def fcurves_in(action: Any) -> list[Any]:
     return [curve for owner in _owners_in(action) for curve in owner.fcurves]
 
 
-def remove_fcurves(datablock: Any, data_paths: Collection[str]) -> None:
-    """Remove F-curves from the datablock's action."""
-    for owner in _fcurve_owners(datablock):
-        for curve in [curve for curve in owner.fcurves if curve.data_path in data_paths]:
-            owner.fcurves.remove(curve)
-
-
 def _fcurve_owners(datablock: Any) -> list[Any]:
     """The owners of a datablock's F-curves: its action, or the channelbags of its slot where
     actions have slots (Blender 4.4 on)."""
@@ -103,17 +96,16 @@ def _owners_in(action: Any) -> list[Any]:
     return [bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags]
 
 
-def ensure_fcurve(datablock: Any, data_path: str, group: str = "", index: int = 0) -> Any:
+def ensure_fcurve(datablock: Any, data_path: str, index: int = 0) -> Any:
     """The F-curve of a property in the datablock's action; both are created if missing."""
     data = datablock.animation_data or datablock.animation_data_create()
     if data.action is None:
         data.action = bpy.data.actions.new(f"{datablock.name}Action")
     ensure = data.action.bl_rna.functions.get("fcurve_ensure_for_datablock")
     if ensure is not None:
-        named = {"group_name": group} if group and "group_name" in ensure.parameters else {}
-        return data.action.fcurve_ensure_for_datablock(datablock, data_path, index=index, **named)
+        return data.action.fcurve_ensure_for_datablock(datablock, data_path, index=index)
     return data.action.fcurves.find(data_path, index=index) or data.action.fcurves.new(
-        data_path, index=index, action_group=group
+        data_path, index=index
     )
 
 

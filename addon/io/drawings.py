@@ -1,9 +1,8 @@
-"""Drawn signals as node groups, and their curves as F-curves and back."""
+"""Drawn signals as node groups."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import bpy
@@ -12,21 +11,14 @@ from bpy.types import NodeTree, Object, Scene
 
 from ...core.arrays import FloatArray
 from ...core.signals import DEFAULT_PERSISTENT, Automation, Drawing, Signal
-from ...core.signals.drawn import EMPHASIS_SECONDS, cut
-from ..blender.compatibility import ensure_fcurve, remove_fcurves
-from ..blender.time import frame_seconds, stretching
-from ..properties.drawing import AMPLITUDE, FREQUENCY, LONGEST, HapticDrawing
+from ...core.signals.drawn import EMPHASIS_SECONDS
+from ..properties.drawing import AMPLITUDE, FREQUENCY, LONGEST
 from ..properties.signal_kinds import HERTZ
 from ..scene_reader import animated_curves as animated
-from ..scene_reader.drawings import MOST_EMPHASES, mapping_of, points_of
+from ..scene_reader.drawings import MOST_EMPHASES, mapping_of
 from ..scene_reader.objects import read_source
 
-PATHS = {AMPLITUDE: animated.ENVELOPE, FREQUENCY: animated.FREQUENCY}
-"""Data paths of the F-curves that replace a curve."""
-_APART = 0.0125
-"""Least distance of keys in frames: Blender merges keys that are nearer than 0.01."""
 _MOST_POINTS = 1000
-_KINDS = ("AUTO", "AUTO_CLAMPED", "VECTOR")
 
 
 def drawn(name: str, signal: Signal) -> NodeTree | None:
@@ -59,11 +51,6 @@ def drawn_like(obj: Object, scene: Scene) -> NodeTree:
     return tree or _new(
         obj.name, Drawing(Automation((0.0, 0.05, 0.3, 1.0), (0.0, 1.0, 0.6, 0.0)), hertz)
     )
-
-
-def has_fcurves(obj: Object) -> bool:
-    """Whether F-curves replace the curves of an object's drawn signal."""
-    return any(animated.animating(obj, path) for path in PATHS.values())
 
 
 def _new(name: str, drawing: Drawing) -> NodeTree:
@@ -143,80 +130,3 @@ def signal_of(obj: Object, scene: Scene) -> Signal:
         read_source(obj, obj.name_full, animated.AnimatedCurves().of_source(obj, scene)).signal
         or DEFAULT_PERSISTENT
     )
-
-
-def to_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
-    """Convert the curves of an object's ``drawing`` to F-curves from the scene's first frame on,
-    with a key for each point."""
-    frames = drawing.duration / frame_seconds(scene)
-    for name, path in PATHS.items():
-        points, kinds = points_of(mapping_of(drawing.id_data, name))
-        low, high = (0.0, 1.0) if name == AMPLITUDE else (drawing.lowest, drawing.highest)
-        places = points * (frames, high - low) + (scene.frame_start, low)
-        places[:, 0] /= stretching(scene)
-        for k in range(1, len(places)):
-            places[k, 0] = max(places[k, 0], places[k - 1, 0] + _APART)
-        remove_fcurves(obj, [path])
-        curve = ensure_fcurve(obj, path, "Drawn Signal")
-        keys = curve.keyframe_points
-        keys.add(len(points))
-        keys.foreach_set("co", places.astype(np.float32).ravel())
-        for key, kind, after in zip(keys, kinds, [*kinds[1:], kinds[-1]], strict=True):
-            key.handle_left_type = key.handle_right_type = kind
-            key.interpolation = "LINEAR" if kind == after == "VECTOR" else "BEZIER"
-        curve.update()
-
-
-def from_fcurves(obj: Object, drawing: HapticDrawing, scene: Scene) -> None:
-    """Convert F-curves to the curves of an object's ``drawing`` over its duration; its frequency
-    range is extended as needed."""
-    for name, path in PATHS.items():
-        curve = animated.animating(obj, path)
-        if curve is None:
-            continue
-        points, kinds = _keys(curve)
-        seconds = _seconds(points[:, 0], scene)
-        if seconds[0] < 0.0 or seconds[-1] > drawing.duration * (1.0 + 1e-6):
-            lines = animated.corners(curve)
-            part = cut(
-                Automation(_seconds(lines[:, 0], scene), lines[:, 1]),
-                drawing.duration,
-            )
-            seconds = part.times
-            points = np.column_stack([part.times, part.values])
-            kinds = []
-        low, high = 0.0, 1.0
-        if name == FREQUENCY:
-            drawing.lowest, drawing.highest = (
-                min(drawing.lowest, points[:, 1].min()),
-                max(drawing.highest, points[:, 1].max()),
-            )
-            low, high = drawing.lowest, drawing.highest
-        write_points(
-            mapping_of(drawing.id_data, name),
-            np.column_stack([seconds / drawing.duration, (points[:, 1] - low) / (high - low)]),
-            kinds,
-        )
-    remove_fcurves(obj, list(PATHS.values()))
-
-
-def _seconds(keys: FloatArray, scene: Scene) -> FloatArray:
-    """Times of the frames of keys (n,) in seconds from the scene's first frame."""
-    return (keys * stretching(scene) - scene.frame_start) * frame_seconds(scene)
-
-
-def _keys(curve: Any) -> tuple[FloatArray, list[str]]:
-    """Frames and values of the points (n, 2) of a drawn curve, and their handle types; only corners
-    if other handle types were used."""
-    keys = list(curve.keyframe_points)
-    kinds = [key.handle_right_type for key in keys]
-    straight = [
-        "LINEAR" if kind == after == "VECTOR" else "BEZIER" for kind, after in pairwise(kinds)
-    ]
-    fits = all(
-        key.handle_left_type == kind and kind in _KINDS
-        for key, kind in zip(keys, kinds, strict=True)
-    )
-    if fits and straight == [key.interpolation for key in keys[:-1]]:
-        return np.array([tuple(key.co) for key in keys]), kinds
-    return animated.corners(curve), []

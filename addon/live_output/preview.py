@@ -1,6 +1,6 @@
 """The preview: the listeners' signals as sound through Blender's audio system.
 
-Listeners on the left are heard on the left, if wanted shifted in pitch. Blocks are divided into
+Listeners on the left are heard on the left. Blocks are divided into
 pieces that cross-fade, because Blender's sequencer sometimes starts a sound a sample too late.
 """
 
@@ -31,8 +31,6 @@ _ENVELOPE[PIECE:] = _ENVELOPE[:_FADE][::-1]
 LEAD = 0.060
 """Seconds between a block and its sound, so that a frame may be late without a gap."""
 _LATE = 0.300
-SHIFT = 250.0
-"""Frequency of the carrier that makes what is heard sharper [Hz]: its sidebands are heard."""
 LONGEST_HEARD = 4.0
 """Longest part of a signal that `hear` plays [s]."""
 
@@ -52,7 +50,6 @@ class _AudioStream:
     def __init__(self, sample_rate: float) -> None:
         aud, device = _audio()
         self.sample_rate = sample_rate
-        self._passed = 0  # samples
         self._aud = aud
         self._sequence = aud.Sequence(channels=aud.CHANNELS_STEREO, rate=RATE, fps=RATE / PIECE)
         self.handle = device.play(self._sequence)
@@ -61,11 +58,8 @@ class _AudioStream:
         self._next = -1  # number of the next piece; none before the first
         self._entries: deque[tuple[int, Any]] = deque()
 
-    def append(self, stereo: FloatArray, sharper: bool) -> None:
+    def append(self, stereo: FloatArray) -> None:
         """The next samples, (2, n)."""
-        if sharper:
-            stereo = stereo * _carrier(self._passed, stereo.shape[1], self.sample_rate)
-            self._passed += stereo.shape[1]
         position = float(self.handle.position)
         now = int(max(position, 0.0) * RATE / PIECE)
         if self._next < now or self._next > now + _LATE * RATE / PIECE:
@@ -102,13 +96,11 @@ class _AudioStream:
 
 @dataclass(slots=True)
 class _PreviewState:
-    """Switch, settings and audio objects of the preview; ``listener``: the only one that is heard,
-    where there is one of that name; ``heard``: the signal that is played by `hear`."""
+    """Switch, volume and audio objects of the preview; ``heard``: the signal that is played by
+    `hear`."""
 
     on: bool = False
     volume: float = 0.5
-    listener: str = ""
-    sharper: bool = False
     stream: _AudioStream | None = None
     heard: Any = None
 
@@ -140,8 +132,7 @@ def switch_off() -> None:
 
 def adjust(settings: HapticLiveOutputProperties) -> None:
     """Take over a scene's settings."""
-    _state.volume, _state.sharper = settings.preview_volume, settings.sharper
-    _state.listener = settings.heard.name_full if settings.heard is not None else ""
+    _state.volume = settings.preview_volume
     if _state.stream is not None:
         _state.stream.handle.volume = _state.volume
 
@@ -171,16 +162,7 @@ def play(listeners: Sequence[Listener], samples: FloatArray, sample_rate: float)
     if _state.stream is None or _state.stream.sample_rate != sample_rate:
         _state.stream = _AudioStream(sample_rate)
         _state.stream.handle.volume = _state.volume
-    alone = [k for k, item in enumerate(listeners) if item.name == _state.listener]
-    heard = alone or list(range(len(listeners)))
-    mix = stereo_mix([listeners[k].body_part for k in heard], samples[heard])
-    _state.stream.append(mix, _state.sharper)
-
-
-def _carrier(first: int, count: int, sample_rate: float) -> FloatArray:
-    """The carrier, from sample ``first`` on, that shifts the preview in pitch: multiplied by it,
-    frequencies become their sums and differences with `SHIFT`, as loud as before."""
-    return np.sqrt(2) * np.sin(2 * np.pi * SHIFT / sample_rate * np.arange(first, first + count))
+    _state.stream.append(stereo_mix([item.body_part for item in listeners], samples))
 
 
 def stereo_mix(body_parts: list[str], samples: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.props import IntProperty
 from bpy.types import Context
 
-from ..bake import baking, sound, storage, takes
+from ..bake import baking, storage, takes
 from ..blender import job
 from ..blender.polling import UNDO, Action, Edit, Need
 from ..changes.redraw import redraw_viewports
@@ -23,12 +23,11 @@ class HAPTIC_OT_bake(Edit):
 
 
 def _is_baked(context: Context) -> bool:
-    bake = context.scene.haptics.bake
-    return bake.track is not None or bake.sound is not None
+    return context.scene.haptics.bake.track is not None
 
 
 class HAPTIC_OT_delete_bake(Edit):
-    """Remove the haptic track of this scene and its sound strip; a track that was kept as a take is removed from the takes"""
+    """Remove the haptic track of this scene; a track that was kept as a take is removed from the takes"""
 
     bl_label = "Delete Bake"
 
@@ -37,7 +36,6 @@ class HAPTIC_OT_delete_bake(Edit):
     def apply(self, context: Context) -> None:
         scene = context.scene
         storage.drop(scene)
-        sound.remove_strip(scene)
         redraw_viewports()
 
 

@@ -10,7 +10,7 @@ from bpy.types import Context
 from ...core.scene.materials import texture_in
 from ..blender.polling import Edit
 from ..changes.revisions import SCENE, mark_changed
-from ..properties.kinds import choice, switch
+from ..properties.kinds import choice
 from ..properties.rules import TABLES
 
 
@@ -95,19 +95,4 @@ class HAPTIC_OT_remove_rule(_OfTable, Edit):
         rows = self._rows(context)
         rows.items.remove(rows.active)
         rows.active = max(0, min(rows.active, len(rows.items) - 1))
-        mark_changed((SCENE,))
-
-
-class HAPTIC_OT_move_rule(_OfTable, Edit):
-    """Move the active rule; of equally specific rules the upper one counts"""
-
-    bl_label = "Move Rule"
-
-    up: switch("Up", "Towards the top of the table", options={"HIDDEN"})
-
-    def apply(self, context: Context) -> None:
-        rows = self._rows(context)
-        place = max(0, min(rows.active + (-1 if self.up else 1), len(rows.items) - 1))
-        rows.items.move(rows.active, place)
-        rows.active = place
         mark_changed((SCENE,))

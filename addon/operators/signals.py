@@ -57,19 +57,6 @@ class HAPTIC_OT_shape_envelope(_OnDrawing):
         drawings.shape_envelope(tree, self.attack, self.decay, self.sustain, self.release)
 
 
-class HAPTIC_OT_switch_envelopes(_OnDrawing):
-    """Edit the drawn signal as F-curves in the Graph Editor, or make these its curves again"""
-
-    bl_label = "To F-Curves"
-
-    def apply(self, context: Context) -> None:
-        switch = (
-            drawings.from_fcurves if drawings.has_fcurves(context.object) else drawings.to_fcurves
-        )
-        tree: Any = context.object.haptics.source.drawing
-        switch(context.object, tree.haptics, context.scene)
-
-
 class HAPTIC_OT_edit_emphasis(_OnDrawing):
     """Add an emphasis, a short burst like a click, or remove it"""
 

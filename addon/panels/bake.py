@@ -32,12 +32,9 @@ class HAPTIC_PT_bake(ScenePanel):
         bake = scene.haptics.bake
         if job.draw_running(layout):
             return
-        layout.prop(bake, "use_range")
         column = layout.column(align=True)
-        column.active = bake.use_range
-        column.prop(bake if bake.use_range else scene, "frame_start")
-        column.prop(bake if bake.use_range else scene, "frame_end", text="End")
-        layout.prop(bake, "write_sound")
+        column.prop(scene, "frame_start")
+        column.prop(scene, "frame_end", text="End")
         layout.operator(
             "haptic.bake", text="Bake" if bake.track is None else "Bake Again", icon="REC"
         )

@@ -21,11 +21,7 @@ class HAPTIC_PT_output(SidebarPanel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         haptics = context.scene.haptics
-        column = layout.column(align=True)
-        row = column.row(align=True)
-        row.prop(haptics.live_output, "preview_volume")
-        row.prop(haptics.live_output, "sharper", toggle=True)
-        column.prop(haptics.live_output, "heard", text="Heard")
+        layout.prop(haptics.live_output, "preview_volume")
         row = layout.row(align=True)
         draw_search(row)
         row.popover("HAPTIC_PT_live_output", text="", icon="PREFERENCES")

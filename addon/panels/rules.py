@@ -48,9 +48,6 @@ def draw_table(layout: UILayout, context: Context, table: str) -> Any:
     if not 0 <= rows.active < len(rows.items):
         return None
     side.operator("haptic.remove_rule", text="", icon="REMOVE").table = table
-    for up, icon in ((True, "TRIA_UP"), (False, "TRIA_DOWN")):
-        button = side.operator("haptic.move_rule", text="", icon=icon)
-        button.table, button.up = table, up
     for problem in _problems(context, table, rows.active):
         draw_sentence(layout, problem, "ERROR")
     rule = rows.items[rows.active]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.types import Context, Object, Panel, Scene, UILayout
 
 from ...core.scene.values import Source
-from ..io import drawings, signal_library
+from ..io import signal_library
 from ..properties.drawing import AMPLITUDE, FREQUENCY
 from ..properties.signal_kinds import PLAIN
 from ..properties.source import HapticSourceProperties
@@ -65,24 +65,15 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
     tree = source.drawing
     if tree is None:
         return
-    keyed = drawings.has_fcurves(obj)
     for name in (AMPLITUDE, FREQUENCY):
         node = tree.nodes.get(name)
-        if node is not None and node.bl_idname == "ShaderNodeFloatCurve" and not keyed:
+        if node is not None and node.bl_idname == "ShaderNodeFloatCurve":
             layout.label(text=name)
             layout.template_curve_mapping(node, "mapping")
     drawing = tree.haptics
-    if keyed:
-        draw_each(layout, source, "envelope", "frequency")
-    else:
-        draw_properties(layout, drawing, "lowest", "highest")
+    draw_properties(layout, drawing, "lowest", "highest")
     draw_each(layout, drawing, "duration", "loops")
-    row = layout.row(align=True)
-    if not keyed:
-        row.operator("haptic.shape_envelope", icon="IPO_EASE_IN_OUT")
-    row.operator(
-        "haptic.switch_envelopes", text="To Curves" if keyed else "To F-Curves", icon="GRAPH"
-    )
+    layout.operator("haptic.shape_envelope", icon="IPO_EASE_IN_OUT")
     column = layout.column(align=True)
     column.use_property_split = False
     column.operator("haptic.edit_emphasis", icon="ADD").index = -1

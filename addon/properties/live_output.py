@@ -4,12 +4,12 @@ device."""
 from __future__ import annotations
 
 from bpy.props import CollectionProperty
-from bpy.types import Context, Object, PropertyGroup
+from bpy.types import Context, PropertyGroup
 
 from ..changes.events import device_adjusted, preview_adjusted
 from ..changes.revisions import mark_actuators
 from .callbacks import updating
-from .kinds import limited, reference, share, switch, text
+from .kinds import limited, share, switch, text
 
 
 def _preview_changed(self: HapticLiveOutputProperties, context: Context) -> None:
@@ -74,18 +74,6 @@ class HapticLiveOutputProperties(PropertyGroup):
         0.5,
         update=_preview_changed,
         translation_context="Haptics",
-    )
-    heard: reference(
-        Object,
-        "Heard Listener",
-        "The only listener that is heard; without one all are",
-        poll=lambda self, obj: obj.haptics.listener.enabled,
-        update=_preview_changed,
-    )
-    sharper: switch(
-        "Sharper",
-        "Raise the pitch of what is heard by 250 Hz, for loudspeakers too small for low tones",
-        update=_preview_changed,
     )
 
 

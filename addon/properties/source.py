@@ -58,9 +58,6 @@ class HapticSourceProperties(Stored, PropertyGroup):
         soft_max=500.0,
     )
     drawing: drawing_property()
-    envelope: share(
-        "Envelope", "Amplitude of the drawn signal where F-curves draw it instead of a curve", 1.0
-    )
     filepath: file_path("WAV File", "The recorded signal, looped")
     sound: PointerProperty(type=HapticSoundProperties)
     decay: limited(

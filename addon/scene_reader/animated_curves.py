@@ -1,4 +1,4 @@
-"""Animated frequencies and envelopes as automations over the scene's time, because phases of values
+"""Animated frequencies as automations over the scene's time, because phases of values
 read frame by frame would jump."""
 
 from __future__ import annotations
@@ -17,9 +17,7 @@ from ..blender.compatibility import fcurves_of
 from ..blender.time import frame_seconds, stretching
 from ..properties.signal_kinds import HERTZ
 
-FREQUENCY, ENVELOPE = "haptics.source.frequency", "haptics.source.envelope"
-Curves = tuple[Automation | None, Automation | None]
-_RANGES = {FREQUENCY: HERTZ, ENVELOPE: (0.0, 1.0)}
+FREQUENCY = "haptics.source.frequency"
 _MOST_FRAMES = 100_000
 _PARTS = 16
 """Least number of straight lines for a rounded part of a curve."""
@@ -30,27 +28,24 @@ class AnimatedCurves:
     have changed."""
 
     def __init__(self) -> None:
-        # By session id of the object, and data path.
-        self._known: dict[tuple[int, str], tuple[Any, Automation]] = {}
+        # By session id of the object.
+        self._known: dict[int, tuple[Any, Automation]] = {}
 
     def clear(self) -> None:
         """Drop all automations, because curves may have changed."""
         self._known.clear()
 
-    def of_source(self, obj: Object, scene: Scene) -> Curves:
-        """Frequency and envelope of a source over seconds from the scene's first frame, None if no
-        F-curve animates them."""
-        return self._automation(obj, scene, FREQUENCY), self._automation(obj, scene, ENVELOPE)
-
-    def _automation(self, obj: Object, scene: Scene, path: str) -> Automation | None:
-        curve = animating(obj, path)
+    def of_source(self, obj: Object, scene: Scene) -> Automation | None:
+        """The frequency of a source over seconds from the scene's first frame, None if no F-curve
+        animates it."""
+        curve = animating(obj, FREQUENCY)
         if curve is None:
             return None
         key = _description(curve, scene)
-        known = self._known.get((obj.session_uid, path))
+        known = self._known.get(obj.session_uid)
         if known is None or known[0] != key:
-            known = key, _evaluated(curve, scene, path)
-            self._known[obj.session_uid, path] = known
+            known = key, _evaluated(curve, scene)
+            self._known[obj.session_uid] = known
         return known[1]
 
 
@@ -103,7 +98,7 @@ def _description(curve: Any, scene: Scene) -> tuple[Any, ...]:
     )
 
 
-def _evaluated(curve: Any, scene: Scene, path: str) -> Automation:
+def _evaluated(curve: Any, scene: Scene) -> Automation:
     first, last = curve.range()
     stretch = stretching(scene)
     start = min(math.floor(first), math.floor(scene.frame_start / stretch))
@@ -118,4 +113,4 @@ def _evaluated(curve: Any, scene: Scene, path: str) -> Automation:
     points = np.concatenate([lines, np.array(around).reshape(-1, 2)])
     points = points[np.argsort(points[:, 0], kind="stable")]
     seconds = (points[:, 0] * stretch - scene.frame_start) * frame_seconds(scene)
-    return Automation(seconds, np.clip(points[:, 1], *_RANGES[path]))
+    return Automation(seconds, np.clip(points[:, 1], *HERTZ))

@@ -1,4 +1,4 @@
-"""Drawn signals, read from node groups and from F-curves that replace their curves."""
+"""Drawn signals, read from node groups."""
 
 from __future__ import annotations
 
@@ -21,11 +21,8 @@ _TABLE = 256
 """Number of points at which Blender evaluates a rounded curve."""
 
 
-def read_drawing(
-    tree: Any, envelope: Automation | None = None, frequency: Automation | None = None
-) -> Drawing:
-    """The signal that is drawn in a node group; ``envelope`` and ``frequency``, from F-curves,
-    replace its curves.
+def read_drawing(tree: Any) -> Drawing:
+    """The signal that is drawn in a node group.
 
     Raises ValueError, with a message for the user, if it is not a drawn signal.
     """
@@ -37,8 +34,8 @@ def read_drawing(
     )
     try:
         return Drawing(
-            envelope or _automation(mapping_of(tree, AMPLITUDE), seconds, 0.0, 1.0),
-            frequency or _automation(mapping_of(tree, FREQUENCY), seconds, low, high),
+            _automation(mapping_of(tree, AMPLITUDE), seconds, 0.0, 1.0),
+            _automation(mapping_of(tree, FREQUENCY), seconds, low, high),
             seconds,
             tuple(_emphases(drawing, seconds)),
             drawing.loops,

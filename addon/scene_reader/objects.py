@@ -12,12 +12,11 @@ from ...core.declaration import Curve
 from ...core.forms import Form
 from ...core.scene.materials import named_in
 from ...core.scene.values import ALL_LAYERS, HapticObject, Listener, Source, SourceKind
-from ...core.signals import impact_material
+from ...core.signals import Automation, impact_material
 from ..blender.full_names import object_meant, object_named
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
-from .animated_curves import Curves
 from .functions import read_function
 from .imported import stored_item
 from .signals import decaying, played_once, read_signal
@@ -65,7 +64,7 @@ def mass_of(obj: Object, scene: Scene) -> float:
 
 
 def read_source(
-    obj: Object, carrier: str, curves: Curves = (None, None), is_silenced: bool = False
+    obj: Object, carrier: str, frequency: Automation | None = None, is_silenced: bool = False
 ) -> Source:
     """The source of a Blender object, without its triggers. The reader sets its position in every
     frame; here it has that of the imported file, if any.
@@ -73,7 +72,7 @@ def read_source(
     Args:
         obj: the object.
         carrier: name of the haptic object that it is on.
-        curves: frequency and envelope over the scene's time, None where they are not animated.
+        frequency: over the scene's time, None where it is not animated.
         is_silenced: whether it is muted, or others are solo.
     """
     properties = obj.haptics.source
@@ -85,7 +84,7 @@ def read_source(
     else:
         values["second_object"] = second.name_full
     signal = (
-        stored.get("signal") if properties.signal == "KEPT" else read_signal(properties, *curves)
+        stored.get("signal") if properties.signal == "KEPT" else read_signal(properties, frequency)
     )
     if values.get("kind", SourceKind.PERSISTENT) is SourceKind.PERSISTENT:
         signal = decaying(signal, properties.decay)

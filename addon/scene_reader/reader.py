@@ -656,9 +656,9 @@ class SceneReader:
                 else:
                     triggers, wrong = read_triggers(obj, depsgraph.scene)
                     problems += wrong
-                    curves = self._curves.of_source(obj, depsgraph.scene)
+                    frequency = self._curves.of_source(obj, depsgraph.scene)
                     source = replace(
-                        read_source(obj, carrier.name_full, curves, silenced), triggers=triggers
+                        read_source(obj, carrier.name_full, frequency, silenced), triggers=triggers
                     )
             except (OSError, ValueError) as error:
                 rule = ("signal", 0) if role == "source" else None

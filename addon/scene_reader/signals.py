@@ -26,17 +26,15 @@ from .drawings import read_drawing
 from .imported import stored_item
 
 
-def read_signal(
-    properties: Any, frequency: Automation | None = None, envelope: Automation | None = None
-) -> Signal:
-    """The signal of a source's properties, with an animated ``frequency`` and ``envelope`` if there
-    are any. Raises ValueError if its file or drawing cannot be read."""
+def read_signal(properties: Any, frequency: Automation | None = None) -> Signal:
+    """The signal of a source's properties, with an animated ``frequency`` if there is one. Raises
+    ValueError if its file or drawing cannot be read."""
     hertz = shortest(properties.frequency) if frequency is None else frequency
     match properties.signal:
         case kind if kind in PLAIN:
             return PLAIN[kind].make(hertz)
         case "DRAWN":
-            return read_drawing(properties.drawing, envelope, frequency).to_signal()
+            return read_drawing(properties.drawing).to_signal()
         case "BLAST":  # with its decay (1 - t / T) exp(-t / T)
             phase = shortest(properties.decay)
             if phase < MIN_SECONDS:

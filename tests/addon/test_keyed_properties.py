@@ -7,12 +7,12 @@ from typing import Any
 import bpy
 import pytest
 from haptic_tracing.addon.blender.compatibility import fcurves_in
-from haptic_tracing.addon.scene_reader.animated_curves import ENVELOPE, FREQUENCY
+from haptic_tracing.addon.scene_reader.animated_curves import FREQUENCY
 from haptic_tracing.addon.scene_reader.digest import changes, digest_of
 from haptic_tracing.addon.session import session, sessions
 
 NOT_TRACED = tuple(f"haptics.{name}" for name in ("bake.", "live_output.", "meters.", "tracing"))
-OVER_TIME = {FREQUENCY, ENVELOPE}
+OVER_TIME = {FREQUENCY}
 """Read as curves, once for all frames."""
 
 

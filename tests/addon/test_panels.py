@@ -180,7 +180,7 @@ def test_listener_panel_warns_where_it_feels_nothing(add_empty):
     assert "Not on a haptic object:" in _draw(_panel("HAPTIC_PT_listener")).labels
 
 
-def test_source_panel_shows_the_curves_of_a_drawn_signal_or_its_f_curves(add_box):
+def test_source_panel_shows_the_curves_of_a_drawn_signal(add_box):
     box = add_box("box", (0, 0, 0), (1, 1, 1))
     _select(box)
     box.haptics.source.enabled, box.haptics.source.signal = True, "DRAWN"
@@ -190,14 +190,6 @@ def test_source_panel_shows_the_curves_of_a_drawn_signal_or_its_f_curves(add_box
     drawn = _draw(_panel("HAPTIC_PT_source"))
     assert drawn.properties.count("mapping") == 2
     assert {"duration", "place", "strength", "sharpness"} <= set(drawn.properties)
-    bpy.ops.haptic.switch_envelopes()
-    drawn = _draw(_panel("HAPTIC_PT_source"))
-    assert "mapping" not in drawn.properties
-    assert "envelope" in drawn.properties
-    assert "To Curves" in drawn.labels
-    assert "haptic.shape_envelope" not in drawn.operators, (
-        "it would draw a curve that does not count"
-    )
 
 
 def test_signal_library_shows_every_signal(add_box):

@@ -235,9 +235,6 @@ def test_buttons_edit_the_table(scene, crate):
         ("MATERIAL", "Softwood", "ANY")
     ] * 2
     table.items[1].template = "PLAIN"
-    assert bpy.ops.haptic.move_rule(table="impact_table", up=True) == {"FINISHED"}
-    assert [row.template for row in table.items] == ["PLAIN", "MATERIALS"] and table.active == 0
-    assert bpy.ops.haptic.move_rule(table="impact_table", up=True) == {"FINISHED"}
     assert bpy.ops.haptic.remove_rule(table="impact_table") == {"FINISHED"}
     assert [row.template for row in table.items] == ["MATERIALS"] and table.active == 0
 

@@ -32,7 +32,7 @@ def test_a_frequency_is_that_of_its_frame(stretched: Any) -> None:
         motor.keyframe_insert(FREQUENCY, frame=frame)
     for key in fcurves_of(motor)[0].keyframe_points:
         key.interpolation = "LINEAR"
-    (automation, _) = AnimatedCurves().of_source(motor, stretched)
+    automation = AnimatedCurves().of_source(motor, stretched)
     assert automation is not None
     for frame in range(49):
         stretched.frame_set(frame)

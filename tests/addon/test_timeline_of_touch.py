@@ -19,7 +19,7 @@ from haptic_tracing.sample_scenes import build_sample
 @pytest.mark.slow
 def test_baked_waves_have_the_samples_and_impacts_of_the_track():
     scene = build_sample("hammer_nail")
-    scene.haptics.bake.use_range, scene.haptics.bake.frame_end = True, 30
+    scene.frame_end = 30
     baking = bake_job(scene)
     while baking.advance(1.0) is None:
         pass

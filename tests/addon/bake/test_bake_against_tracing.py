@@ -1,14 +1,10 @@
 """What is baked is what is traced, survives saving and loading, and is played without tracing."""
 
-import io
-import math
-
 import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.bake import playback, storage
 from haptic_tracing.addon.bake.baking import bake_job
-from haptic_tracing.addon.bake.sound import write_stereo
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.registration import handlers
 from haptic_tracing.addon.session import session, sessions, timeline
@@ -16,16 +12,9 @@ from haptic_tracing.addon.view import explanation, paths, watched
 from haptic_tracing.addon.view.render_data import Options, render_data
 from haptic_tracing.command_line.playing import play
 from haptic_tracing.core.render.waves import FULL_SCALE
-from haptic_tracing.core.signals.wav import WavFile
 from haptic_tracing.core.tracer import Tracer
 
 STEP = Tracer.step
-
-
-def channels_of(data):
-    """The samples (n, channels) of a WAV file's bytes, and their rate."""
-    wav = WavFile(io.BytesIO(data))
-    return wav.read(0, wav.count), wav.rate
 
 
 def test_samples_are_those_that_playing_gives(shaken):
@@ -126,61 +115,17 @@ def test_track_survives_saving_and_loading(shaken, tmp_path):
 def test_curves_of_the_designer_are_left_alone(shaken):
     foot = bpy.data.objects["foot"]
     foot.haptics.listener.keyframe_insert("gain", frame=3)
-    shaken.haptics.bake.write_sound = True
     for _ in range(2):
         bpy.ops.haptic.bake()
         assert {c.data_path for c in compatibility.fcurves_of(foot)} == {"haptics.listener.gain"}
     bpy.ops.haptic.delete_bake()
     assert {c.data_path for c in compatibility.fcurves_of(foot)} == {"haptics.listener.gain"}
     assert shaken.haptics.bake.track is None
-    assert len(bpy.data.texts) == len(bpy.data.sounds) == 0
+    assert len(bpy.data.texts) == 0
     assert not bpy.ops.haptic.delete_bake.poll()
 
 
-def _sound_is_there(scene):
-    return scene.haptics.bake.sound is not None
-
-
-def test_sound_strip_plays_with_the_frames_it_was_baked_from(shaken):
-    shaken.haptics.bake.write_sound = True
-    for _ in range(2):
-        bpy.ops.haptic.bake()
-        if not _sound_is_there(shaken):
-            assert bpy.app.version < (4, 5), "Blender's wheels have sound from 4.5 on"
-            return
-        (strip,) = compatibility.strips_of(shaken.sequence_editor)
-        assert compatibility.strip_ends(strip)[0] == 1
-        assert strip.sound == shaken.haptics.bake.sound
-        assert strip.sound.packed_file is not None
-        assert len(bpy.data.sounds) == 1
-    channels, rate = channels_of(strip.sound.packed_file.data)
-    track = storage.track_of(shaken)
-    assert rate == track.sample_rate
-    # Left foot.
-    np.testing.assert_allclose(channels[:, 0], track.listener_samples(0), rtol=0, atol=1e-4)
-    # Right hand.
-    np.testing.assert_allclose(channels[:, 1], track.listener_samples(1), rtol=0, atol=1e-4)
-
-
-def test_the_middle_of_the_body_is_on_both_sides_and_nothing_clips(shaken, tmp_path):
-    for name in ("foot", "hand"):
-        bpy.data.objects[name].haptics.listener.body_part = "belly"
-    bpy.ops.haptic.bake()
-    track = storage.track_of(shaken)
-    write_stereo(track, tmp_path / "a.wav")
-    channels, _ = channels_of((tmp_path / "a.wav").read_bytes())
-    assert np.array_equal(channels[:, 0], channels[:, 1])
-    both = (track.listener_samples(0) + track.listener_samples(1)) * math.sqrt(0.5)
-    assert np.abs(channels).max() < 1
-    assert np.corrcoef(channels[:, 0], both)[0, 1] > 0.999
-
-
 def test_what_can_not_be_baked_is_a_message(shaken):
-    bake = shaken.haptics.bake
-    bake.use_range, bake.frame_start, bake.frame_end = True, 9, 4
-    with pytest.raises(RuntimeError, match="frame range 9 to 4 is empty"):
-        bpy.ops.haptic.bake()
-    bake.frame_end = 10
     for name in ("foot", "hand"):
         bpy.data.objects[name].haptics.listener.enabled = False
     with pytest.raises(RuntimeError, match="no listener"):
@@ -224,7 +169,7 @@ def test_scenes_that_share_a_track_part_when_one_is_baked_again(shaken):
     bpy.ops.haptic.bake()
     other = shaken.copy()
     assert other.haptics.bake.track == shaken.haptics.bake.track
-    shaken.haptics.bake.use_range, shaken.haptics.bake.frame_end = True, 5
+    shaken.frame_end = 5
     bpy.ops.haptic.bake()
     assert storage.track_of(other).frame_end == 24
     assert storage.track_of(shaken).frame_end == 5

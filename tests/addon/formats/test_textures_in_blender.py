@@ -53,11 +53,7 @@ def problems(scene):
 
 
 def baked(scene, first, last):
-    scene.haptics.bake.use_range, scene.haptics.bake.frame_start, scene.haptics.bake.frame_end = (
-        True,
-        first,
-        last,
-    )
+    scene.frame_start, scene.frame_end = first, last
     assert bpy.ops.haptic.bake() == {"FINISHED"}
     return storage.track_of(scene)
 

@@ -82,56 +82,6 @@ def test_a_rounded_curve_is_as_blender_draws_it(drawn, kind):
     assert drawing.amplitude.at(2.0 * POINTS[:-1, 0]) == pytest.approx(POINTS[:-1, 1], abs=1e-6)
 
 
-@pytest.mark.parametrize("kinds", ([], ["AUTO", "VECTOR", "AUTO_CLAMPED", "AUTO", "VECTOR"]))
-@pytest.mark.parametrize(("fps_base", "stretched"), [(1.0, 100), (1.001, 100), (1.0, 150)])
-def test_curves_become_f_curves_and_curves_again(drawn, scene, kinds, fps_base, stretched):
-    scene.render.fps, scene.render.fps_base, scene.frame_start = 30, fps_base, 11
-    scene.render.frame_map_new = stretched
-    drawings.write_points(mapping_of(drawn.drawing, "Amplitude"), POINTS, kinds)
-    before = emitted()
-    assert bpy.ops.haptic.switch_envelopes() == {"FINISHED"}
-    assert drawings.has_fcurves(bpy.data.objects["box"])
-    if not kinds:
-        np.testing.assert_allclose(emitted(), before, rtol=0, atol=5e-5)
-    for name in ("Amplitude", "Frequency"):
-        drawings.write_points(mapping_of(drawn.drawing, name), np.array([(0.0, 0.5), (1.0, 0.5)]))
-    assert bpy.ops.haptic.switch_envelopes() == {"FINISHED"}
-    assert not drawings.has_fcurves(bpy.data.objects["box"])
-    points, found = points_of(mapping_of(drawn.drawing, "Amplitude"))
-    assert points == pytest.approx(POINTS, abs=1e-6)
-    assert found == (kinds or ["VECTOR"] * 5)
-    np.testing.assert_allclose(emitted(), before, rtol=0, atol=5e-5)
-
-
-def test_f_curves_that_were_edited_become_the_lines_that_they_draw(drawn, scene):
-    bpy.ops.haptic.switch_envelopes()
-    curve = drawings.animated.animating(bpy.data.objects["box"], drawings.PATHS["Amplitude"])
-    for key, kind in zip(
-        curve.keyframe_points, ("ELASTIC", "CONSTANT", "BEZIER", "LINEAR", "LINEAR"), strict=True
-    ):
-        key.interpolation = kind
-    curve.keyframe_points[-1].co.x += 12.0
-    curve.update()
-    before = emitted()
-    bpy.ops.haptic.switch_envelopes()
-    np.testing.assert_allclose(emitted(), before, rtol=0, atol=5e-5)
-
-
-def test_an_f_curve_between_frames_is_not_lost(drawn, scene):
-    """A click of ten milliseconds, less than a frame."""
-    bpy.ops.haptic.switch_envelopes()
-    curve = drawings.animated.animating(bpy.data.objects["box"], drawings.PATHS["Amplitude"])
-    for key, (frame, level) in zip(
-        curve.keyframe_points, ((1, 0), (13.3, 0), (13.4, 1), (13.54, 0), (49, 0)), strict=True
-    ):
-        key.co = frame, level
-    curve.update()
-    envelope = drawings.signal_of(bpy.data.objects["box"], scene).of[0].of[1].automation
-    assert envelope.at(np.array([12.3, 12.35, 12.4, 12.54]) / 24) == pytest.approx(
-        [0.0, 0.5, 1.0, 0.0], abs=1e-4
-    )
-
-
 @pytest.mark.parametrize(
     "shape",
     ((0.05, 0.15, 0.6, 0.3), (0.0, 0.2, 0.5, 0.1), (0.1, 0.0, 0.3, 0.0), (1.0, 0.5, 0.25, 0.5)),

@@ -117,46 +117,6 @@ def test_sides_are_panned_and_sums_stay_within_full_scale():
     assert np.abs(preview.stereo_mix(["hand.L"] * 9, np.ones((9, 5)))).max() <= 1.0
 
 
-def spectrum(device):
-    """The strongest frequencies of what is heard [Hz], and its RMS."""
-    samples = heard(device, 0.5)[round(0.08 * preview.RATE) : round(0.28 * preview.RATE), 0]
-    power = np.abs(np.fft.rfft(samples * np.hanning(len(samples))))
-    strongest = np.flatnonzero(power > 0.9 * power.max()) * preview.RATE / len(samples)
-    return strongest, np.sqrt((samples**2).mean())
-
-
-@pytest.mark.parametrize("sharper, expected", [(False, [60]), (True, [190, 310])])
-def test_sharper_moves_a_tone_to_both_sides_of_the_carrier(loudspeaker, scene, sharper, expected):
-    scene.haptics.live_output.sharper = sharper
-    preview.adjust(scene.haptics.live_output)
-    rate = 8000
-    tone = 0.1 * np.sin(2 * np.pi * 60.0 * np.arange(round(0.25 * rate)) / rate)
-    for start in range(0, len(tone), 333):  # the carrier goes on from block to block
-        preview.play(bodies("hand.L"), tone[None, start : start + 333], rate)
-    found, loud = spectrum(loudspeaker)
-    assert {int(f) for f in np.rint(found / 10) * 10} == set(expected)
-    assert loud == pytest.approx(0.1 / np.sqrt(2), rel=0.03), "as loud as before"
-
-
-def test_one_listener_is_heard_alone(loudspeaker, scene, add_empty):
-    chosen = add_empty("hand.R")
-    chosen.haptics.listener.enabled = True
-    scene.haptics.live_output.heard = chosen
-    preview.adjust(scene.haptics.live_output)
-    preview.play(bodies("hand.L", "hand.R"), np.full((2, 800), 0.5), 8000)
-    samples = heard(loudspeaker, 0.5)
-    assert samples[:, 1].any() and not samples[:, 0].any()
-
-
-def test_all_are_heard_where_the_chosen_one_feels_nothing_any_more(loudspeaker, scene, add_empty):
-    """It was deleted, which Blender's field does not show, or is no listener any more."""
-    scene.haptics.live_output.heard = add_empty("hand.R")
-    preview.adjust(scene.haptics.live_output)
-    preview.play(bodies("hand.L"), np.full((1, 800), 0.5), 8000)
-    samples = heard(loudspeaker, 0.5)
-    assert samples[:, 0].any() and not samples[:, 1].any()
-
-
 def test_nothing_is_heard_by_itself_in_the_background(scene):
     assert not handlers.may_hear()
     handlers.animation_playback_pre(scene)

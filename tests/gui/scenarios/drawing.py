@@ -2,7 +2,6 @@
 again, with undo."""
 
 import bpy
-import numpy as np
 
 
 def steps(window):
@@ -49,33 +48,7 @@ def steps(window):
     yield from window.wait_until(lambda: traced() != before)
     window.seen["an edited curve is traced"] = True
     bpy.ops.ed.undo_push(message="curve")
-    points = drawings.points_of(mapping)[0]
     yield from window.open_panel("haptics.source.enabled")
-    yield from window.click_button("haptic.switch_envelopes")
-    yield 1.0
-    window.seen["F-curves"] = drawings.has_fcurves(bpy.data.objects["Cube"])
-    window.view.type = "GRAPH_EDITOR"
-    yield 1.0
-    with bpy.context.temp_override(
-        window=window.window,
-        area=next(a for a in window.window.screen.areas if a.type == "GRAPH_EDITOR"),
-    ):
-        bpy.context.area.spaces.active.use_normalization = True
-    yield 1.0
-    window.save_picture("graph-editor")
-    next(a for a in window.window.screen.areas if a.type == "GRAPH_EDITOR").type = "VIEW_3D"
-    yield 1.0
-    yield from window.screenshot("f-curves")
-    yield from window.click_button("haptic.switch_envelopes")
-    yield 1.0
-    back = drawings.points_of(source().drawing.nodes["Amplitude"].mapping)[0]
-    window.seen["and back"] = bool(np.abs(back - points).max() < 1e-6) and not drawings.has_fcurves(
-        bpy.data.objects["Cube"]
-    )
-    yield from window.undo()
-    window.seen["undo gives the F-curves back"] = drawings.has_fcurves(bpy.data.objects["Cube"])
-    yield from window.redo()
-    window.seen["redo takes them"] = not drawings.has_fcurves(bpy.data.objects["Cube"])
     yield from window.click_button("haptic.edit_emphasis")
     yield from window.click_button("haptic.shape_envelope")
     yield 1.0

@@ -40,11 +40,7 @@ def steps(window):
 
     scene = window.module("sample_scenes").build_sample("jackhammer_bench")
     bpy.context.window.scene = scene
-    scene.haptics.bake.use_range, scene.haptics.bake.frame_start, scene.haptics.bake.frame_end = (
-        True,
-        1,
-        60,
-    )
+    scene.frame_start, scene.frame_end = 1, 60
     with window.context():
         bpy.ops.haptic.bake("EXEC_DEFAULT")
     scene.frame_set(60)
