@@ -2,13 +2,14 @@
 the most complex functions.
 
     python benchmarks/code_size.py [COMMIT]   tables of the working tree, beside those of a commit
-    python benchmarks/code_size.py --total    the tokens of all that is shipped, in one line
+    python benchmarks/code_size.py --total    the tokens in four sums
     python benchmarks/code_size.py --store    store them, for --total to show what has changed
 
 Tokens are Python's own, of 3.12 and later, without comments, docstrings and layout. A string
 literal counts as many as it has words between spaces, and at least one; so does each piece of an
 f-string between its replacement fields. Tokens measure what there is to read however it is laid
-out: lines can be packed more densely.
+out: lines can be packed more densely. In C#, JavaScript and GDScript a token is a name, a number, a
+string literal (as in Python), a run of operators, or a bracket or other mark.
 
 A line of code holds something other than a comment or a docstring, and is counted as ruff formats
 it at a width of 100 characters. A function is as long as the lines of code from its head to its
@@ -22,6 +23,7 @@ import argparse
 import ast
 import io
 import json
+import re
 import subprocess
 import sys
 import tarfile
@@ -33,12 +35,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-SHIPPED = ("core", "addon", "sample_scenes", "pictures", "study", "command_line")
+SHIPPED = ("core", "addon", "plugins", "sample_scenes", "pictures", "study", "command_line")
 PARTS = (*SHIPPED, "clients", "benchmarks", "packaging", "docs", "tests")
 TOTALS = {
-    "core and addon": ("core", "addon"),
-    "with command line, study, clients": ("core", "addon", "command_line", "study", "clients"),
+    "heart": ("core", "addon"),
+    "plug-ins": ("plugins",),
+    "all else in the zip and clients": ("__init__.py", "sample_scenes", "clients"),
+    "all tests": ("tests",),
 }
+"""Files and folders of each sum; the heart is the core and the add-on."""
 STORED = ROOT / "benchmarks" / "results" / "code_size.json"
 WIDTH = 100
 PICTURES = {".png", ".svg"}
@@ -50,6 +55,10 @@ LAYOUT = {
     tokenize.DEDENT,
     tokenize.ENDMARKER,
 }
+COMMENTS = {".cs": r"//.*|/\*[\s\S]*?\*/", ".js": r"//.*|/\*[\s\S]*?\*/", ".gd": r"#.*"}
+"""Comments in C#, JavaScript and GDScript."""
+STRINGS = r"""\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|`(?:\\.|[^`\\])*`"""
+OTHERS = r"\w[\w.]*|[-+*/%=<>!&|^~?]+|\S"
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 BRANCHES = (ast.If, ast.For, ast.AsyncFor, ast.While, ast.ExceptHandler, ast.match_case, *FUNCTIONS)
 LISTED = 10
@@ -104,6 +113,24 @@ def tokens(source: str, tree: ast.Module) -> int:
         if token.type not in LAYOUT:
             count += max(1, len(token.string.split())) if token.type in literals else 1
     return count
+
+
+def size_in_tokens(path: Path) -> int:
+    """How many tokens a file has; 0 if it is in another language."""
+    if path.suffix == ".py":
+        source = path.read_text(encoding="utf-8")
+        return tokens(source, ast.parse(source))
+    if path.suffix not in COMMENTS:
+        return 0
+    found = re.finditer(
+        f"(?P<comment>{COMMENTS[path.suffix]})|(?P<string>{STRINGS})|{OTHERS}",
+        path.read_text(encoding="utf-8"),
+    )
+    return sum(
+        max(1, len(item[0].split())) if item["string"] else 1
+        for item in found
+        if not item["comment"]
+    )
 
 
 def statements(node: ast.AST) -> Iterator[ast.AST]:
@@ -169,26 +196,21 @@ def sizes(commit: str) -> dict[str, Size]:
         ).stdout
         with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
             tar.extractall(root, filter="data")
-        counted = {
-            path: tokens(source := path.read_text(encoding="utf-8"), ast.parse(source))
-            for path in root.rglob("*.py")
-        }
+        counted = {path: size_in_tokens(path) for path in root.rglob("*.*")}
+        sums = totals(root)
         ruff = ROOT / ".venv-lint" / "bin" / "ruff"
         subprocess.run([ruff, "format", "--quiet", "--line-length", str(WIDTH), folder], check=True)
         for part in PARTS:
             for path in (root / part).rglob("*"):
                 if path.is_dir() or path.suffix in PICTURES:
                     continue
-                size = Size(data=path.stat().st_size)
+                size = Size(counted.get(path, 0), data=path.stat().st_size)
                 if path.suffix == ".py":
                     source = path.read_text(encoding="utf-8")
                     size = Size(counted[path], len(code_lines(source, ast.parse(source))))
                 for name in {part, "/".join(path.relative_to(root).parts[:-1][:2])}:
                     found[name] += size
-    for name, parts in TOTALS.items():
-        for part in parts:
-            found[name] += found[part]
-    return found
+    return found | {name: Size(count) for name, count in sums.items()}
 
 
 def print_sizes(now: dict[str, Size], before: dict[str, Size]) -> None:
@@ -205,16 +227,16 @@ def print_sizes(now: dict[str, Size], before: dict[str, Size]) -> None:
         print(f"| {folder} | {' | '.join(cells)} |")
 
 
-def totals() -> dict[str, int]:
-    """Tokens of the working tree, as stored."""
-    of_part = {
-        part: sum(
-            tokens(source := path.read_text(encoding="utf-8"), ast.parse(source))
-            for path in (ROOT / part).rglob("*.py")
+def totals(root: Path) -> dict[str, int]:
+    """The sums of the tokens of a tree, as stored."""
+    return {
+        name: sum(
+            size_in_tokens(path)
+            for part in parts
+            for path in ([root / part] if "." in part else (root / part).rglob("*.*"))
         )
-        for part in {part for parts in TOTALS.values() for part in parts}
+        for name, parts in TOTALS.items()
     }
-    return {name: sum(of_part[part] for part in parts) for name, parts in TOTALS.items()}
 
 
 def print_totals() -> None:
@@ -223,7 +245,7 @@ def print_totals() -> None:
     print(
         "tokens: "
         + "; ".join(
-            f"{name} {count:,} ({count - stored[name]:+,})" for name, count in totals().items()
+            f"{name} {count:,} ({count - stored[name]:+,})" for name, count in totals(ROOT).items()
         )
     )
 
@@ -235,7 +257,7 @@ def main() -> None:
     parser.add_argument("--store", action="store_true", help="store what --total compares with")
     arguments = parser.parse_args()
     if arguments.store:
-        STORED.write_text(json.dumps(totals(), indent=1) + "\n", encoding="utf-8")
+        STORED.write_text(json.dumps(totals(ROOT), indent=1) + "\n", encoding="utf-8")
     if arguments.store or arguments.total:
         print_totals()
         return

@@ -19,7 +19,6 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CLIENT = ROOT / "clients" / "javascript"
-sys.path.insert(0, str(ROOT / "tests" / "core" / "formats"))
 
 from headless_chromium import Page
 

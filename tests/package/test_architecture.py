@@ -150,6 +150,20 @@ def test_tokens_are_counted_with_the_words_of_strings(code_size, source, count):
     assert code_size.tokens(source, ast.parse(source)) == count
 
 
+@pytest.mark.parametrize(
+    ("name", "source", "count"),
+    [
+        ("a.cs", 'var a = "two words"; // a comment\n/* of\nlines */ f(a);', 6 + 5),
+        ("a.js", "const a = `one` === '' ? 1.5 : b.c;", 11),
+        ("a.gd", '# a comment\nvar a := "#"  # another\n', 5),
+        ("a.txt", "three words here", 0),
+    ],
+)
+def test_tokens_of_other_languages(code_size, tmp_path, name, source, count):
+    (tmp_path / name).write_text(source)
+    assert code_size.size_in_tokens(tmp_path / name) == count
+
+
 def test_the_tour_of_a_frame_names_what_is_there():
     """Each row of the table in docs/architecture.md: a file, and the function in it to read
     first."""

@@ -27,7 +27,6 @@ from haptic_tracing.study.people.record import read_steps
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "core" / "formats"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "core" / "devices"))
 
 from headless_chromium import Page

@@ -19,7 +19,9 @@ SCHEMAS = {
     ".tact": PLUGINS / "bhaptics/tact.schema.json",
 }
 LARGE = 300_000  # bytes, from which on jsonschema is given a rest
-VALIDATORS = {suffix: Draft7Validator(load_schema(name)) for suffix, name in SCHEMAS.items()}
+VALIDATORS = {
+    suffix: Draft7Validator(load_schema(path)) for suffix, path in SCHEMAS.items() if path.is_file()
+}
 
 
 def ascending(values):

@@ -109,6 +109,7 @@ def generated_tracks(draw):
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 @given(generated_tracks())
+@pytest.mark.plugins
 def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
     folder = tmp_path_factory.mktemp("generated")
     worn = any(
@@ -131,6 +132,7 @@ def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("count", "formats"), [(1, FORMATS), (127, ["hjif"]), (128, FORMATS)])
+@pytest.mark.plugins
 def test_many_listeners(tmp_path, count, formats):
     """One, and more than an hjif file of level 1 may have, 127: the only limit on their number that
     a format knows."""
@@ -145,6 +147,7 @@ def test_many_listeners(tmp_path, count, formats):
 
 
 @pytest.mark.slow
+@pytest.mark.plugins
 def test_ten_minutes_and_two_thousand_impacts(tmp_path):
     rate = 1000
     time = np.arange(600 * rate) / rate
@@ -169,6 +172,7 @@ def test_ten_minutes_and_two_thousand_impacts(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.plugins
 def test_options_of_formats(study, tmp_path):
     export = Export("scene", SCENE, study)
     registry.write("hjif", export, tmp_path, {"profile": "Simple Parametric", "transients": False})
@@ -209,6 +213,7 @@ def test_without_a_listener_there_is_nothing_to_write(tmp_path, name):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.plugins
 def test_losses_say_what_is_cut_and_who_is_nowhere():
     time = np.arange(800) / 8000
     tracks = Tracks(

@@ -132,6 +132,7 @@ def haps(times):
 @pytest.mark.parametrize(
     ("suffix", "make"), [(".haptic", haptic), (".ahap", ahap), (".haps", haps)]
 )
+@pytest.mark.plugins
 def test_keys_at_the_least_time_give_numbers(tmp_path, suffix, make):
     path = tmp_path / f"least{suffix}"
     path.write_text(json.dumps(make(KEYS)))
@@ -173,7 +174,9 @@ def test_samples_of_any_size_are_no_vibration_or_are_cut(tmp_path, value):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such files")
-@pytest.mark.parametrize("name", ["scene.json", "hand.haptic", "take.wav"])
+@pytest.mark.parametrize(
+    "name", ["scene.json", pytest.param("hand.haptic", marks=pytest.mark.plugins), "take.wav"]
+)
 def test_a_pipe_beside_a_file_does_not_hang(tmp_path, name):
     """Readers look for side-cars by themselves; a pipe that nobody writes to never ends."""
     path = tmp_path / name

@@ -11,7 +11,7 @@ from carriers import values_at
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.io.error import FormatError
 
-CORPUS = Path(__file__).parent / "corpus"
+CORPUS = Path(__file__).parents[2] / "core" / "formats" / "corpus"
 
 
 def read(path):

@@ -1,10 +1,8 @@
 """The exported web page, played by Chromium without a network and with a made-up pad."""
 
-import importlib.util
 import json
 import re
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,13 +11,7 @@ from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticScene
 from haptic_tracing.plugins.web.web import decoded, encoded
-
-spec = importlib.util.spec_from_file_location(
-    "headless_chromium", Path(__file__).with_name("headless_chromium.py")
-)
-headless_chromium = importlib.util.module_from_spec(spec)
-sys.modules["headless_chromium"] = headless_chromium
-spec.loader.exec_module(headless_chromium)
+from headless_chromium import Page
 
 HOSTILE = """</script><script>document.title='taken'</script><img src=x onerror="document.title='taken'">"""
 RATE = 8000
@@ -94,7 +86,7 @@ def test_the_page_plays_in_chromium(tmp_path, tone):
     driven.write_text(
         page.replace("</head>", PAD + "</head>").replace("</body>", DRIVER + "</body>"), "utf-8"
     )
-    with headless_chromium.Page(driven, tmp_path / "profile") as opened:
+    with Page(driven, tmp_path / "profile") as opened:
         found = json.loads(
             opened.run(
                 "new Promise((done) => setInterval(() => document.body.dataset.found && "

@@ -1,0 +1,3 @@
+"""The tracks of the study."""
+
+from study_tracks import study  # noqa: F401
