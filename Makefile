@@ -14,13 +14,14 @@ TESTS_AND_TYPES = @( $(TYPES) ) > build/types.txt 2>&1 & types=$$!; \
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: packages-for-demo packages-for-test help demo test test-quick test-more stress fuzz soak stability lint style format test-matrix $(MATRIX:%=test-%) test-gui test-vr test-godot docs validate package wheels bench samples clean
+.PHONY: packages-for-demo packages-for-test help demo test test-quick test-heart test-more stress fuzz soak stability lint style format test-matrix $(MATRIX:%=test-%) test-gui test-vr test-godot docs validate package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo         the paper's first figure, played through Blender: picture, sound and haptic scene in out/"
 	@echo "make test         linters, types and the whole suite"
 	@echo "make test-quick   linters, types and the tests that are not marked slow"
+	@echo "make test-heart   the suite in a copy without plugins/"
 	@echo "make test-more    the long tests that one of their kind represents in the suite, and the property-based tests with 20 times the"
 	@echo "                  examples, from random seeds"
 	@echo "make stress       edits, undo, load, render and removed scenes in 20 random orders of 2,000, each result against a fresh trace"
@@ -47,6 +48,10 @@ test: packages-for-test .venv/complete wheels style
 
 test-quick: packages-for-test .venv/complete wheels style
 	$(call TESTS_AND_TYPES,not slow)
+
+test-heart: packages-for-test .venv/complete wheels
+	packaging/without_plugins build/heart
+	cd build/heart/haptic_tracing && ln -s ../../../wheels wheels && PYTHONPATH=$(CURDIR)/build/heart $(CURDIR)/$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m "not more" --ignore tests/package
 
 test-more: packages-for-test .venv/complete
 	$(PYTHON) -m pytest $(SIDE_BY_SIDE) -m more

@@ -22,7 +22,12 @@ from ...core.formats.io.error import FormatError
 from ...core.formats.io.json_text import json_points, write_compact, write_json
 from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
-from ...core.formats.io.strict_json import read_json
+from ...core.formats.io.strict_json import (
+    parse_json,
+    read_bytes,
+    read_json,
+    without_trailing_commas,
+)
 from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
@@ -39,6 +44,7 @@ from ..keyframes.envelopes import (
     thinned_carrier,
 )
 from ..keyframes.fitting import Fit
+from .json5 import as_json
 
 SLIGHT = 0.05
 """Amount by which amplitudes may exceed their range to be clipped instead of refused."""
@@ -322,7 +328,8 @@ def _range_beside(path: Path, losses: dict[str, None]) -> tuple[float, float]:
         )
         return _QUEST
     try:
-        configuration = read_json(beside)
+        text = as_json(read_bytes(beside).decode("utf-8", "replace"))
+        configuration = parse_json(without_trailing_commas(text.encode()), beside)
     except FormatError as error:
         losses[f"{beside.name} is not used: {error.reason}"] = None
         return _QUEST

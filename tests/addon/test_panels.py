@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
+import pytest
 from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.addon.scene_reader import functions
 
@@ -202,6 +203,7 @@ def test_signal_library_shows_every_signal(add_box):
     assert drawn.operators.count("haptic.hear_signal") == len(names) >= 14
 
 
+@pytest.mark.plugins
 def test_the_export_panel_shows_what_each_listener_loses(tmp_path):
     """A player without actuators at the leg."""
     import numpy as np

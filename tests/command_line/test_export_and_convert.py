@@ -47,6 +47,7 @@ def run(capsys, *arguments):
 
 
 @pytest.mark.slow
+@pytest.mark.plugins
 def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_path):
     arguments = (
         "export",
@@ -75,6 +76,7 @@ def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_
 
 
 @pytest.mark.slow
+@pytest.mark.plugins
 def test_lost_onsets_are_in_the_text_the_json_and_the_picture(capsys, tmp_path):
     """A blow of 2 kHz, which a .haps clip cannot hold, and one of 2 Hz that begins earlier in it, at
     one listener of two (the panel has its own test)."""
@@ -122,6 +124,7 @@ def test_lost_onsets_are_in_the_text_the_json_and_the_picture(capsys, tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
 @pytest.mark.parametrize(("answer", "replaced"), [(b"n\n", False), (b"y\n", True)])
+@pytest.mark.plugins
 def test_a_terminal_is_asked_before_a_poor_copy_replaces_a_file(tmp_path, answer, replaced):
     noise = np.random.default_rng(0).integers(-9000, 9000, 8000).astype("<i2")
     with wave.open(str(tmp_path / "noise.wav"), "wb") as file:
@@ -151,6 +154,7 @@ def test_a_terminal_is_asked_before_a_poor_copy_replaces_a_file(tmp_path, answer
     assert json.loads(out)["files"] == ([str(target)] if replaced else [])
 
 
+@pytest.mark.plugins
 def test_export_to_all_formats(capsys, scene_file, tmp_path):
     code, out, err = run(
         capsys, "export", scene_file, "--to", "all", "--out", tmp_path / "out", "--seconds", "1"
@@ -184,6 +188,7 @@ def test_export_to_all_formats(capsys, scene_file, tmp_path):
         )
 
 
+@pytest.mark.plugins
 def test_all_formats_are_those_that_can_be_written(capsys, tmp_path):
     bare = replace(SCENE, listeners=tuple(replace(item, body_part="") for item in SCENE.listeners))
     write_export(Export("bare", bare), tmp_path / "bare.json")
@@ -290,6 +295,7 @@ def test_tracks_in_the_file_are_taken_as_they_are(capsys, scene_file, tmp_path):
     ).read_bytes()
 
 
+@pytest.mark.plugins
 def test_losses_alone_write_nothing(capsys, scene_file, tmp_path):
     code, out, _ = run(
         capsys,
@@ -311,6 +317,7 @@ def test_losses_alone_write_nothing(capsys, scene_file, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.plugins
 def test_convert_between_every_pair_of_kinds(capsys, scene_file, tmp_path):
     run(
         capsys,
@@ -363,6 +370,7 @@ def test_convert_a_scene_packs_and_unpacks(capsys, scene_file, tmp_path):
     assert (tmp_path / "again.json").read_bytes() == scene_file.read_bytes()
 
 
+@pytest.mark.plugins
 def test_what_is_wrong_is_said_in_one_line(capsys, scene_file, tmp_path):
     broken = tmp_path / "broken.json"
     broken.write_text(

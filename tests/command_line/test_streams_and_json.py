@@ -150,6 +150,7 @@ def test_a_pipe_of_three_programs_is_what_files_give(scene, piped, tmp_path):
     assert code == 0 and samples[0] == samples[1]
 
 
+@pytest.mark.plugins
 def test_several_files_do_not_fit_into_one_pipe(scene, piped):
     code, out, err = piped("export", scene, "--to", "wav,hjif", "--out", "-", "--seconds", "0.1")
     assert (code, out) == (2, b"") and "name a folder" in err
@@ -253,6 +254,7 @@ def test_bash_accepts_its_completion(tmp_path, capsys):
     assert done.stdout.split() == ["propagate"]
 
 
+@pytest.mark.plugins
 def test_the_manual_is_that_of_the_arguments():
     specification = importlib.util.spec_from_file_location(
         "write_command_pages", ROOT / "docs" / "write_command_pages.py"

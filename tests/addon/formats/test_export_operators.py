@@ -128,6 +128,7 @@ def test_every_format_is_written(shaken, tmp_path, name):
         assert any(channel.at_rate(8000).any() for channel in channels)
 
 
+@pytest.mark.plugins
 def test_options_reach_the_format(shaken, tmp_path):
     bpy.ops.export_scene.haptic_tracks(
         filepath=str(tmp_path / "a.hjif"),
@@ -229,6 +230,7 @@ def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path)
 
 
 @pytest.mark.parametrize("consent", [True, False])
+@pytest.mark.plugins
 def test_a_poor_file_replaces_another_only_with_consent(tmp_path, consent):
     from haptic_tracing.addon.blender.job import Job
     from haptic_tracing.addon.operators.exporting import track_writer
@@ -264,6 +266,7 @@ def test_a_poor_file_replaces_another_only_with_consent(tmp_path, consent):
     ) != consent
 
 
+@pytest.mark.plugins
 def test_cancelled_while_it_writes(tmp_path):
     from haptic_tracing.addon.blender.job import Cancelled, Job
     from haptic_tracing.addon.operators.exporting import track_writer
@@ -302,6 +305,7 @@ def test_a_bake_is_exported_without_tracing(shaken, tmp_path):
     assert fitting_track(shaken, 1, 13) is None
 
 
+@pytest.mark.plugins
 def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
     from haptic_tracing.addon.io.capture import expected
     from haptic_tracing.addon.operators.exporting import draw_losses
@@ -321,6 +325,7 @@ def test_losses_are_drawn_before_anything_is_written(shaken, recording_layout):
     assert layout.labels[0] == "Can't be written"
 
 
+@pytest.mark.plugins
 def test_endings_follow_the_format():
     from haptic_tracing.addon.operators.exporting import export_name, with_ending
 
@@ -336,6 +341,7 @@ def test_endings_follow_the_format():
     ]
 
 
+@pytest.mark.plugins
 def test_tact_without_a_body_part_is_an_error_with_its_cure(shaken, tmp_path):
     for obj in shaken.objects:
         obj.haptics.listener.body_part = "NONE"
@@ -364,6 +370,7 @@ def test_copy_methods_is_the_paragraph_of_the_exported_frame(shaken, tmp_path):
     assert bpy.ops.haptic.copy_methods() == {"FINISHED"}  # there is no clipboard without a window
 
 
+@pytest.mark.plugins
 def test_an_export_covers_the_scenes_frames_unless_told_otherwise(shaken, tmp_path):
     """Also a script's; a range of an export before is not kept for another scene."""
     path = tmp_path / "whole.json"

@@ -138,6 +138,7 @@ def test_a_linked_signal_is_that_of_its_library(drawn, tmp_path, add_box):
     assert bpy.ops.haptic.draw_signal.poll()
 
 
+@pytest.mark.plugins
 def test_an_imported_clip_can_be_drawn_on(source, tmp_path):
     points = [
         {"time": 0.0, "amplitude": 0.0},

@@ -93,6 +93,7 @@ def test_every_schema_has_an_address(path):
     )
 
 
+@pytest.mark.plugins
 def test_the_published_schema_its_page_and_the_table_of_formats_are_those_of_the_core():
     spec = importlib.util.spec_from_file_location(
         "write_schema_page", ROOT / "docs" / "write_schema_page.py"

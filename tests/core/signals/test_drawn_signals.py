@@ -58,6 +58,7 @@ def test_it_ends_at_its_duration_and_loops_from_its_beginning() -> None:
     np.testing.assert_allclose(looped, np.concatenate([once, once]), rtol=0, atol=1e-9)
 
 
+@pytest.mark.plugins
 def test_an_emphasis_is_a_transient_as_core_haptics_plays_it(tmp_path) -> None:
     """The reader of AHAP files and the drawing make the same of an event, but for the square of its
     intensity."""
