@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, among
+from ..arrays import BoolArray, FloatArray, IntArray, added_by, among
 from ..frozen import frozen
 from .body_poses import BodyPoses
 from .body_table import BodyTable
@@ -15,6 +17,9 @@ from .narrow.frames import relative_pose, turned, turned_back
 from .near_pairs import NearPairs
 from .settings import ContactSettings
 from .time_of_impact import Meetings
+
+_TOGETHER = 0.9
+"""Part of the speed of a pair's fastest point from which on others land with it."""
 
 PRESSING_DISTANCE = 2e-3
 """Distance below which bodies count as pressing on each other [m]."""
@@ -104,9 +109,8 @@ class HitSearch:
 
     def landings(self, pairs: Candidates, rows: IntArray, last: FloatArray) -> Hits:
         """Hits of the pairs ``rows``, which touch in both frames, by a part that was away from the
-        other body before; of each pair, the hit of the patch's fastest point. ``last``: the values
-        of all pairs in the last frame. Only for pairs with a recent impact: bodies that have
-        touched for longer are at rest."""
+        other body before; of each pair, the hit of the patch's fastest point, in the middle of
+        those that land with it. ``last``: the values of all pairs in the last frame."""
         table = self.table
         rows = rows[~pairs.one_of(table.medium)[rows]]
         if len(rows) == 0:
@@ -135,9 +139,17 @@ class HitSearch:
             np.where(of[:, None] == was, squared, np.inf).min(axis=(0, 2), initial=np.inf)
         )
         hits = landings(self.paths, numbers[of], nodes, away, normal, distance, PRESSING_DISTANCE)
+        if len(hits) == 0:
+            return hits
         order = hits.approach.argsort(kind="stable")[::-1]
-        fastest = np.unique(table.keys(hits.pairs[order]), return_index=True)[1]
-        return hits.chosen(order[fastest])
+        _, first, pair = np.unique(
+            table.keys(hits.pairs[order]), return_index=True, return_inverse=True
+        )
+        fastest = hits.chosen(order[first])
+        with_it = (hits.approach[order] >= _TOGETHER * fastest.approach[pair]).nonzero()[0]
+        centre = added_by(pair[with_it], hits.centre[order[with_it]].T, len(first))
+        count = np.bincount(pair[with_it], minlength=len(first))
+        return replace(fastest, centre=(centre / count).T)
 
     def _corners_before(
         self, bodies: IntArray, last: FloatArray, limit: FloatArray

@@ -7,7 +7,7 @@ poses at the end of the interval.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields
 from functools import cache
 
@@ -175,7 +175,8 @@ def landings(
         apart: least distance from which material counts as having swung down [m].
     """
     count = len(pairs)
-    ends = paths.chosen(pairs.T.reshape(-1)).through_ends()
+    before_hit = paths.chosen(pairs.T.reshape(-1))
+    ends = before_hit.through_ends()
     before, start, half = _gaps(
         (ends.earlier, ends.start, ends.poses(slice(None), ends.duration / 2)),
         ends.end,
@@ -201,24 +202,19 @@ def landings(
         normal=normal[:, rows].T,
         centre=nodes[:, :, rows].mean(axis=0).T,
         approach=approach,
-        poses=_both(ends.poses, rows, count, after),
-        velocities=_both(ends.velocities, rows, count, after),
-        spins=_both(lambda bodies, _: ends.spin[:, bodies], rows, count, after),
+        poses=_both(ends.end, rows, count),
+        velocities=_both(before_hit.velocity, rows, count),
+        spins=_both(before_hit.spin, rows, count),
         expected=distance,
         actual=distance,
         passes=np.zeros(len(rows), dtype=np.bool_),
     )
 
 
-def _both(
-    values: Callable[[IntArray, FloatArray], FloatArray],
-    rows: IntArray,
-    count: int,
-    after: FloatArray,
-) -> FloatArray:
-    """Values (k, 2, ...) of both bodies of some of ``count`` pairs, ``after`` (k,) seconds; first
-    bodies stand before second ones in the paths that ``values`` are of."""
-    return np.stack([values(rows + side * count, after).T for side in (0, 1)], axis=1)
+def _both(values: FloatArray, rows: IntArray, count: int) -> FloatArray:
+    """Of ``values`` (..., 2p), of the first and then the second bodies of ``count`` pairs, those
+    (k, 2, ...) of both bodies of some."""
+    return np.stack([values[:, rows + side * count].T for side in (0, 1)], axis=1)
 
 
 def _gaps(

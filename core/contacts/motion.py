@@ -248,12 +248,16 @@ class MotionHistory:
 
     def deviated(self, paths: Paths) -> BoolArray:
         """Which moving bodies (n,) are neither at the ends of their ``paths`` nor where these would
-        end without acceleration."""
+        end without acceleration, and do not just turn in their places."""
         t = paths.duration
-        straight = paths.end[9:] - paths.start[9:] - paths.velocity * t
+        travel = paths.end[9:] - paths.start[9:]
+        chord = (paths.start[9:] - paths.earlier[9:]) / paths.earlier_duration
+        straight = travel - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
         limit = max(_DEVIATION, _CHANGE / 2 * t * t)
-        return self.moving() & (np.minimum(_squared(straight), _squared(bent)) > limit**2)
+        held = _squared(travel) + _squared(chord * t) <= _DEVIATION**2  # as by an axle
+        ways = np.minimum(_squared(straight), _squared(bent))
+        return self.moving() & (ways > limit**2) & ~held
 
     def _stopped(self, rows: IntArray) -> BoolArray:
         """Which bodies ``rows`` (k,), of four poses, were stopped in the last interval: they moved

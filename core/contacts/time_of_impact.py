@@ -92,7 +92,7 @@ class TimeOfImpact:
             return None
         a, b = pairs.T
         relative = paths.velocities(b, paths.duration / 2) - paths.velocities(a, paths.duration / 2)
-        travel = np.sqrt((relative * relative).sum(axis=0)) * paths.duration
+        travel = np.sqrt(dot(relative, relative)) * paths.duration
         far = travel > (self._thickness[a] + self._thickness[b]) / 4
         moving = _MovingPairs(self._narrow, paths, pairs)
         mesh = self._narrow.is_mesh[a] | self._narrow.is_mesh[b]
@@ -102,7 +102,9 @@ class TimeOfImpact:
             (mesh.nonzero()[0], self._touches_of_meshes),
         ):
             if len(rows):
-                expected[rows], after[rows] = touches(moving.chosen(rows), far[rows])
+                apart = far[rows]
+                expected[rows], after[rows] = touches(moving.chosen(rows), apart)
+                far[rows] = apart
         met = (after <= paths.duration).nonzero()[0]
         if len(met) == 0:
             return None
@@ -123,9 +125,13 @@ class TimeOfImpact:
 
     def _touches(self, moving: _MovingPairs, far: BoolArray) -> tuple[FloatArray, FloatArray]:
         """Distances (k,) at the end of the paths [m], and times (k,) of the first touch [s],
-        infinite where there is none, of pairs without a mesh; ``far`` (k,) as in `Meetings`."""
+        infinite where there is none, of pairs without a mesh; ``far`` (k,) as in `Meetings`, to
+        which pairs are added whose bodies sweep past each other as they turn."""
         duration = moving.paths.duration
         expected = moving.clearances(np.full(len(far), duration))
+        turn = np.sqrt(dot(moving.paths.spin, moving.paths.spin)) * self._radius * duration
+        sweeps = turn[moving.pairs].sum(axis=1) > self._thickness[moving.pairs].sum(axis=1) / 4
+        far |= sweeps & (expected > _TOUCH)
         after = np.full(len(far), np.inf)
         rows = (far | (expected <= _TOUCH)).nonzero()[0]
         if len(rows) == 0:

@@ -14,7 +14,7 @@ from ..message import Cause, Message
 from .body_poses import BodyPoses
 from .body_table import STILL as STILL
 from .body_table import BodyTable
-from .candidates import DISTANCE, Candidates
+from .candidates import Candidates
 from .contact_set import ContactSet
 from .hit_search import PRESSING_DISTANCE, HitSearch
 from .impacts import Hits, Impact
@@ -320,12 +320,14 @@ class ContactTracker:
         bodies = pairs.bodies(rows)
         poses = self._history.last_poses
         self._queries += len(rows)
-        placing = relative_pose(*(poses.take(numbers, axis=1) for numbers in bodies.T))
-        distance = self._table.narrow.clearances(bodies, *placing)
-        touching = distance <= self.settings.tolerance
+        turn, offset = relative_pose(*(poses.take(numbers, axis=1) for numbers in bodies.T))
+        place = turned(turn, self._table.middle.take(bodies[:, 1], axis=1)) + offset
+        limit = np.full(len(rows), self.settings.tolerance)
+        found = self._table.narrow.query(bodies, turn, offset, limit)
+        touching = found.distance <= limit
+        pairs.store(rows, turn, offset, place, found)
         pairs.examined[rows], pairs.known[rows] = True, False
         pairs.touching[rows] = pairs.struck[rows] = touching
-        pairs.values[DISTANCE, rows] = distance
         self._airborne[bodies[touching]] = False
         return bool(touching.any())
 
@@ -423,8 +425,9 @@ class ContactTracker:
         hits = search.confirmed(met, arrived[among(arrived, self._near.key[free])])
         self._recent.expire(self._history.times[-1], search.paths.duration)
         pivoting = before & now & among(pairs.key, search.keys)
-        rows = (pivoting & among(pairs.key, self._recent.keys())).nonzero()[0]
-        return hits.joined(search.landings(pairs, rows, last))
+        landed = search.landings(pairs, pivoting.nonzero()[0], last)
+        there = np.sort(self._table.keys(landed.pairs))
+        return hits.chosen(~among(self._table.keys(hits.pairs), there)).joined(landed)
 
     def _settle(
         self,
