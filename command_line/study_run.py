@@ -8,7 +8,8 @@ import json
 import secrets
 import threading
 import time
-from contextlib import closing, suppress
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, suppress
 from importlib import import_module
 from mimetypes import guess_type
 from pathlib import Path
@@ -25,7 +26,7 @@ from ..core.forms import Form, JsonObject
 from ..study.people.body import body
 from ..study.people.exposure import daily, limits_of
 from ..study.people.plan import FORM, HERE, begin, read_form, stimuli
-from ..study.people.record import Sitting, add_step
+from ..study.people.record import Sitting, add_step, alone
 from . import say
 from .serve.front import Front, serve_forever
 from .serve.stage import DeviceStage
@@ -41,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     if not all(path.exists() for path in stimuli(args.out, form).values()):
         import_module(".study_stimuli", __package__).prepare(args.out, form)
     if not args.prepare:
-        with closing(DeviceStage.of(args.device)) as stage:
+        with alone(args.out), closing(DeviceStage.of(args.device)) as stage:
             study = Study(args.out, form, args.participants, stage)
             with study.listen(args.port) as server:
                 say(study.pages)
@@ -162,23 +163,32 @@ class Study:
             case ["halt"]:  # waits for nothing
                 self._player.halt("emergency stop")
         with self._lock:
-            if self._sitting and said[0] in ("play", "halt", "resume"):
-                add_step(self._sitting.path, {"note": said[0]})
-            match said:
-                case ["resume"]:
-                    self._player.resume()
-                case "begin", name:
-                    self._player.stop()
-                    self._sitting = Sitting(self._folder, name, self._plan)
-                    self._sittings[name] = self._sitting
-                case "touch", key, row:
-                    self._touch(key, row)
-                case ["play"]:
-                    track = self._tracks[self._step["scene"], self._step["condition"]]
-                    self._player.load(self._mapping.blocks(np.asarray(track.stored)))
-                case "answer", number, rows, seconds:
-                    self._take(number, rows, seconds)
+            with self._halted_by_errors():
+                if self._sitting and said[0] in ("play", "halt", "resume"):
+                    add_step(self._sitting.path, {"note": said[0]})
+                match said:
+                    case ["resume"]:
+                        self._player.resume()
+                    case "begin", name:
+                        self._player.stop()
+                        self._sitting = Sitting(self._folder, name, self._plan)
+                        self._sittings[name] = self._sitting
+                    case "touch", key, row:
+                        self._touch(key, row)
+                    case ["play"]:
+                        track = self._tracks[self._step["scene"], self._step["condition"]]
+                        self._player.load(self._mapping.blocks(np.asarray(track.stored)))
+                    case "answer", number, rows, seconds:
+                        self._take(number, rows, seconds)
             return self._state()
+
+    @contextmanager
+    def _halted_by_errors(self) -> Iterator[None]:
+        """Halt where the record can't be written: the step is then asked again."""
+        try:
+            yield
+        except OSError as error:
+            self._player.halt(f"nothing can be written to {self._folder}: {error.strerror}")
 
     @property
     def _step(self) -> JsonObject:

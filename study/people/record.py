@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -12,10 +14,12 @@ from typing import Any
 import pandas
 from pandas import DataFrame
 
+from ...core.formats.io.atomic import lock
 from ...core.formats.io.schema import validate
 from ...core.forms import Form, JsonObject
 
 PLAN = "study.json"
+_LOCK = ".lock"
 _STEP = ["participant", "excluded", "step", "position", "condition", "scene"]
 
 
@@ -36,40 +40,61 @@ def read_steps(path: Path) -> list[JsonObject]:
 
 
 def add_step(path: Path, step: Form) -> None:
-    """Append a step or a note with its time to a record, and flush it to the disk. A last line
-    that is incomplete, as a crash leaves it, is overwritten."""
-    line = json.dumps({**step, "at": datetime.now(UTC).isoformat()})
+    """Append a step or a note with its time to a record, and flush it to the disk, wholly or, where
+    that raises OSError, not at all. A last line that is incomplete, as a crash leaves it, is
+    overwritten."""
+    line = json.dumps({**step, "at": datetime.now(UTC).isoformat()}).encode() + b"\n"
     with path.open("a+b", buffering=0) as file:
         file.seek(0)
-        file.truncate(file.read().rfind(b"\n") + 1)
-        file.write(line.encode() + b"\n")
-        os.fsync(file.fileno())
+        end = file.read().rfind(b"\n") + 1
+        file.truncate(end)
+        try:
+            while line:  # on a full disk only a part may be written, without an error
+                line = line[file.write(line) :]
+            os.fsync(file.fileno())
+        except OSError:
+            file.truncate(end)
+            raise
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Let no other process write the records of a folder. Raises ValueError if another does."""
+    with (folder / _LOCK).open("ab") as file:
+        if not lock(file.fileno()):
+            raise ValueError(f"{folder}: another `haptic-tracing study run` is open on it")
+        yield
 
 
 class Sitting:
     """The progress of one participant through the study. What is done is what the file says, so
     that an interrupted sitting resumes.
 
-    path: of the file. steps: all. done: how many of them are."""
+    path: of the file. steps: all."""
 
     def __init__(self, folder: Path, participant: str, plan: Form) -> None:
         """Raises KeyError for somebody who is not in the plan."""
         self.participant, self.steps = participant, plan["orders"][participant]
         self.path = folder / f"{participant}.jsonl"
-        self.done = sum("answer" in step for step in read_steps(self.path))
+
+    @property
+    def done(self) -> int:
+        """How many steps are in the file."""
+        return sum("answer" in step for step in read_steps(self.path))
 
     @property
     def step(self) -> JsonObject:
         """The next step; none after the last."""
-        return self.steps[self.done] if self.done < len(self.steps) else {}
+        return next(iter(self.steps[self.done :]), {})
 
     def take(self, number: int, rows: Any, seconds: float) -> None:
         """Write the answer to step ``number``, if that is the next one: rows of item and value, and
-        of x and y where something was felt. Raises ValueError if they are none."""
-        if self.step and number == self.done:
+        of x and y where something was felt. Raises ValueError if they are none, and OSError if
+        they can't be written."""
+        step = self.step
+        if step and number == self.done:
             validate(rows, "people_answer", "answer")
-            add_step(self.path, {**self.step, "answer": rows, "seconds": round(seconds, 2)})
-            self.done += 1
+            add_step(self.path, {**step, "answer": rows, "seconds": round(seconds, 2)})
 
 
 def tidy(folder: Path, plan: Form) -> DataFrame:

@@ -90,3 +90,19 @@ def test_the_page_that_plays_takes_the_vibration_with_it(study):
             time.sleep(0.02)
         time.sleep(0.1)
         assert study.log[-1] == "silence"
+
+
+def test_an_answer_that_can_not_be_written_halts_and_is_asked_again(study):
+    resource = pytest.importorskip("resource")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    with page(study, "participant") as participant, page(study, "experimenter") as experimenter:
+        say(experimenter, "begin", "P01")
+        resource.setrlimit(resource.RLIMIT_FSIZE, (10, limits[1]))
+        try:
+            state = say(participant, "answer", 0, [], 1.0)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        assert "nothing can be written" in state["halted"]
+        assert number_of_step(state) == 0
+        assert not say(experimenter, "resume")["halted"]
+        assert number_of_step(say(participant, "answer", 0, [], 1.0)) == 1

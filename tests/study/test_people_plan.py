@@ -1,12 +1,14 @@
 """The plan of a study with people: its form, its orders, and what a participant may answer."""
 
+import sys
 from collections import Counter
 from itertools import islice, pairwise, product
 
+import bounded_program
 import pytest
 from haptic_tracing.command_line import build_parser, main
 from haptic_tracing.study.people.plan import balanced_rows, begin, orders, read_form, stimuli
-from haptic_tracing.study.people.record import Sitting, add_step, read_steps
+from haptic_tracing.study.people.record import Sitting, add_step, alone, read_steps
 
 FORM = """
 title = "T"
@@ -129,6 +131,44 @@ def test_a_sitting_resumes_where_its_file_ends(sitting, tmp_path):
     assert again.done == 2 and again.step == {"step": "start"}
     sitting.take(0, [], 1.0)  # a page that is late
     assert again.steps == sitting.steps and len(again.steps) == 3 + 4 * (3 * 2 + 1) + 3
+
+
+def test_a_full_disk_loses_no_answer(sitting, tmp_path):
+    """The system writes the part that there is room for, and says so only by its length."""
+    resource = pytest.importorskip("resource")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def answered(number):
+        return [{"item": "q", "value": f"{number} " + "x" * 3000}]
+
+    sitting.take(0, answered(0), 1.0)
+    sitting.take(1, answered(1), 1.0)
+    before = sitting.path.read_bytes()
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) + 1000, limits[1]))
+    try:
+        with pytest.raises(OSError):
+            sitting.take(2, answered(2), 1.0)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert sitting.path.read_bytes() == before
+    assert sitting.done == seated(tmp_path).done == 2
+    sitting.take(2, answered(2), 1.0)
+    steps = read_steps(sitting.path)
+    assert [step["answer"] for step in steps] == [answered(k) for k in range(3)]
+    assert [step["step"] for step in steps] == [step["step"] for step in sitting.steps[:3]]
+
+
+def test_two_programs_can_not_seat_people_in_one_folder(sitting, tmp_path):
+    program = [
+        "from pathlib import Path",
+        "from haptic_tracing.study.people.record import alone",
+        f"with alone(Path({str(tmp_path)!r})): pass",
+    ]
+    command = [sys.executable, "-c", "\n".join(program)]
+    with alone(tmp_path):
+        done = bounded_program.run(command)
+        assert done.returncode and "another `haptic-tracing study run`" in done.stderr
+    assert bounded_program.run(command).returncode == 0
 
 
 SPOT = {"item": "back", "value": "hand.L", "x": 0, "y": 1}
