@@ -52,6 +52,7 @@ scenes = {buzz = {tracks = {one = "one.wav", two = "two.wav"}}}
         status=Status("open"),
         send=lambda block, due=None: log.append("block"),
         expect=lambda block, due: None,
+        wait_until_open=lambda seconds: None,
     )
     stage = SimpleNamespace(
         outputs={"pad": pad},
