@@ -374,7 +374,7 @@ class HapticGraph:
             else (self.fronts.take(a, axis=1), self.fronts.take(b, axis=1))
         )
 
-    def to_networkx(self) -> networkx.Graph:
+    def to_networkx(self) -> networkx.Graph[int]:
         """The explicit graph, every intra-connection an edge: for small scenes and for tests.
 
         Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter")

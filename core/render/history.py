@@ -18,9 +18,9 @@ class History:
     block is rendered in the steady state for `LEVEL_SECONDS`."""
 
     def __init__(self) -> None:
-        self.sample_rate = 0.0
+        self.sample_rate: float = 0.0
         self.listeners: tuple[str, ...] = ()
-        self.count = 0
+        self.count: int = 0
         self._blocks = [np.zeros((0, 0))]
         self._end: int | None = None
 

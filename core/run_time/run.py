@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray
 from ..contacts.authored import AuthoredContacts
@@ -21,7 +22,17 @@ from ..formats.scene.values_json import read_listener, read_object, read_source
 from ..render.history import History
 from ..render.renderer import checked_rate
 from ..scene.references import PlacedError, require_known, require_new
-from ..scene.values import HapticObject, HapticScene, Listener, Pose, Source, Trigger, TriggerKind
+from ..scene.rules import ContactSettings
+from ..scene.values import (
+    HapticObject,
+    HapticScene,
+    Listener,
+    Pose,
+    Settings,
+    Source,
+    Trigger,
+    TriggerKind,
+)
 from ..tracer import Tracer
 from .given import contact_set, plain, read_contacts, read_impacts
 from .step import Step, answer
@@ -40,8 +51,8 @@ _SHORTEST, _FARTHEST = 1e-12, 1e9
 
 Item = TypeVar("Item", Source, Listener)
 
-Position = Sequence[float]
-"""Three numbers [m], in the world."""
+Numbers = Sequence[float] | NDArray[np.floating] | NDArray[np.integer]
+"""Three numbers of a position in the world [m], or seven of a pose."""
 
 
 class Run:
@@ -56,8 +67,9 @@ class Run:
     """
 
     def __init__(self, scene: HapticScene, sample_rate: float) -> None:
-        self.settings, self.rules = scene.settings, scene.rules
-        self.sample_rate = checked_rate(sample_rate)
+        self.settings: Settings = scene.settings
+        self.rules: ContactSettings = scene.rules
+        self.sample_rate: float = checked_rate(sample_rate)
         self._solids: list[tuple[HapticObject, Body]] = []
         # Of all sources, then of all listeners: the rows of their objects, and their positions in
         # the frames of these (n, 3).
@@ -118,13 +130,13 @@ class Run:
     def step(
         self,
         time: float,
-        poses: Mapping[str, Sequence[float]] | None = None,
+        poses: Mapping[str, Numbers] | None = None,
         sources: Mapping[str, Mapping[str, Any]] | None = None,
         *,
         contacts: Sequence[Mapping[str, Any]] | None = None,
         impacts: Sequence[Mapping[str, Any]] | None = None,
-        source_positions: Mapping[str, Position] | None = None,
-        listener_positions: Mapping[str, Position] | None = None,
+        source_positions: Mapping[str, Numbers] | None = None,
+        listener_positions: Mapping[str, Numbers] | None = None,
     ) -> Step:
         """Go on to ``time`` [s]. Where it goes back, or on by more than `LONGEST_STEP`, the run
         begins anew.
@@ -173,13 +185,13 @@ class Run:
     def follow(
         self,
         time: float,
-        poses: Mapping[str, Sequence[float]] | None = None,
+        poses: Mapping[str, Numbers] | None = None,
         sources: Mapping[str, Mapping[str, Any]] | None = None,
         *,
         contacts: Sequence[Mapping[str, Any]] | None = None,
         impacts: Sequence[Mapping[str, Any]] | None = None,
-        source_positions: Mapping[str, Position] | None = None,
-        listener_positions: Mapping[str, Position] | None = None,
+        source_positions: Mapping[str, Numbers] | None = None,
+        listener_positions: Mapping[str, Numbers] | None = None,
     ) -> None:
         """Go on to ``time`` as `step` does, without an answer: `answer` gives that to the step that
         was followed last, with the impacts of all since the last one; where the run begins anew,
@@ -406,7 +418,7 @@ class Run:
         self._authored: tuple[frozenset[str], AuthoredContacts] | None = None
         self._anchors = None
 
-    def _checked_poses(self, poses: Mapping[str, Sequence[float]]) -> FloatArray:
+    def _checked_poses(self, poses: Mapping[str, Numbers]) -> FloatArray:
         """Poses of objects as an array (n, 7), with unit quaternions."""
         if not poses.keys() <= self._row.keys():
             for name in poses:
@@ -454,7 +466,7 @@ class Run:
                     )
 
     def _check_positions(
-        self, kind: str, known: Mapping[str, Any], positions: Mapping[str, Position]
+        self, kind: str, known: Mapping[str, Any], positions: Mapping[str, Numbers]
     ) -> None:
         """Raise PlacedError unless all are three numbers for something known of this kind."""
         for name, place in positions.items():
@@ -478,8 +490,8 @@ class Run:
         time: float,
         given: ContactSet | None,
         struck: tuple[Impact, ...] | None,
-        source_positions: Mapping[str, Position],
-        listener_positions: Mapping[str, Position],
+        source_positions: Mapping[str, Numbers],
+        listener_positions: Mapping[str, Numbers],
     ) -> Frame:
         """The frame of the tracer that ends at ``time``.
 
@@ -557,7 +569,7 @@ class Run:
 
 
 def _moved(
-    items: Mapping[str, Item], places: Sequence[Position], given: Mapping[str, Position]
+    items: Mapping[str, Item], places: Sequence[Sequence[float]], given: Mapping[str, Numbers]
 ) -> list[Item]:
     """Sources or listeners at the first of the ``places``, or at their ``given`` positions."""
     return [
@@ -578,7 +590,7 @@ def _valid(message: str, **parts: Mapping[str, Any] | None) -> list[dict[str, An
     return list(given.values())
 
 
-def _faulty(poses: Mapping[str, Sequence[float]]) -> str:
+def _faulty(poses: Mapping[str, Numbers]) -> str:
     """The first object whose pose is not one."""
     for name, pose in poses.items():
         try:

@@ -31,8 +31,8 @@ class Automation:
     def __init__(
         self, times: Sequence[float] | FloatArray, values: Sequence[float] | FloatArray
     ) -> None:
-        self.times = checked_column("times", times, MAX_SECONDS)
-        self.values = checked_column("values", values, 1e9)
+        self.times: FloatArray = checked_column("times", times, MAX_SECONDS)
+        self.values: FloatArray = checked_column("values", values, 1e9)
         if len(self.times) != len(self.values):
             raise ValueError(f"values: {len(self.values)} for {len(self.times)} times")
         widths = np.diff(self.times)

@@ -68,7 +68,7 @@ class Row:
 
     def __init__(self, samples: NDArray[np.floating], sample_rate: int) -> None:
         self._samples = samples
-        self.count = len(samples)
+        self.count: int = len(samples)
         self.sample_rate = sample_rate
 
     @property

@@ -57,8 +57,8 @@ class Spreading:
 
     def __init__(self, laws: Sequence[Law], of: IntArray = _ONE) -> None:
         self._laws = np.array([law[:5] for law in laws]).T.take(of, axis=1)
-        self.point = np.array([law.point for law in laws]).take(of)
-        self.has_fronts = bool((self.point < math.inf).any())
+        self.point: FloatArray = np.array([law.point for law in laws]).take(of)
+        self.has_fronts: bool = bool((self.point < math.inf).any())
         self._one_stage = bool((self._laws[4] <= self._laws[2]).all())
 
     @classmethod
