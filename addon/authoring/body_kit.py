@@ -9,10 +9,8 @@ import numpy as np
 from bpy.types import Collection, Object
 from mathutils import Matrix, Vector
 
-from ...core.declaration import shown
-from ...core.scene.body import BODY_PART, BodyPart
-from ...core.scene.skeleton import Bone, PartPlace, partner, places
-from ...core.scene.values import Listener
+from ...core.scene.body import BodyPart
+from ...core.scene.skeleton import Bone, PartPlace, places
 from ..blender.polling import receiving
 from ..scene_reader.collision_shapes import vertices_of
 
@@ -140,38 +138,3 @@ def skins(armature: Object) -> list[Object]:
         if obj.type == "MESH" and obj.find_armature() == armature
     ]
     return sorted(moved, key=lambda obj: -obj.dimensions.length)
-
-
-def mirrored(listener: Object) -> Object:
-    """The listener's partner on the other side of the body, with its settings; created if there is
-    none."""
-    part = BODY_PART[listener.haptics.listener.body_part]
-    other = BODY_PART[part.mirror]
-    parent = listener.parent
-    siblings = listeners_on(parent) if parent is not None else {}
-    partner = siblings.get(other.name)
-    if partner is None:
-        partner = add_listener(
-            other, bpy.utils.flip_name(listener.name), listener.users_collection[0]
-        )
-        place = listener.matrix_world.translation
-        if parent is None:
-            partner.matrix_basis = Matrix.Translation(Vector((-place.x, place.y, place.z)))
-        else:
-            local = parent.matrix_world.inverted_safe() @ place
-            attach(
-                partner,
-                parent,
-                _other_bone(parent, listener),
-                parent.matrix_world @ Vector((-local.x, local.y, local.z)),
-            )
-    for name in shown(Listener).keys() - {"body_part"}:
-        setattr(partner.haptics.listener, name, getattr(listener.haptics.listener, name))
-    return partner
-
-
-def _other_bone(parent: Object, listener: Object) -> str:
-    """The bone on the other side; the same if it has no partner."""
-    if listener.parent_type != "BONE":
-        return ""
-    return partner(listener.parent_bone, (bone.name for bone in parent.data.bones))

@@ -137,12 +137,6 @@ def meet_flesh(scene: Scene, objects: Iterable[Object]) -> None:
             return
 
 
-def copy(scene: Scene, item: HapticMaterial) -> HapticMaterial:
-    """A copy in the library, not assigned to any object."""
-    values = {**values_of(item), "wave_speed": item.wave_speed, "use_delay": item.use_delay}
-    return add_material(scene, item.name, values)
-
-
 def preset_of(obj: Object) -> Material | None:
     """The preset from which an object's library material was made, found by its title."""
     return preset_named(obj.haptics.material.name)

@@ -7,7 +7,7 @@ from bpy.types import Context, Object
 from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
 from ..authoring import body_kit, materials
-from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, OnSelected, editable, is_editable
+from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, editable, is_editable
 from ..blender.words import TranslatedError
 from ..properties.kinds import choice
 from ..scene_reader.roles import haptic_carrier
@@ -109,29 +109,3 @@ def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:
     """The wanted parts that have no listener yet."""
     known = body_kit.listeners_on(body)
     return [part for part in wanted if part.name not in known]
-
-
-class HAPTIC_OT_mirror_listeners(OnSelected):
-    """Copy the selected listeners to the other side of the body: their settings, and a new listener where there is none"""
-
-    bl_label = "Mirror Listeners"
-
-    def apply(self, context: Context) -> None:
-        sided = [obj for obj in editable(context.selected_objects) if _side(obj)]
-        if not sided:
-            raise TranslatedError(
-                "None of the selected objects is a listener of the left or right side: "
-                "choose its body part"
-            )
-        for listener in sided:
-            body_kit.mirrored(listener)
-        self.tell("{} listeners mirrored", len(sided))
-
-
-def _side(obj: Object) -> str:
-    listener = obj.haptics.listener
-    return (
-        BODY_PART[listener.body_part].side
-        if listener.enabled and listener.body_part != "NONE"
-        else ""
-    )

@@ -208,16 +208,6 @@ class HAPTIC_OT_new_material(OnActive):
         library.apply([obj], item)
 
 
-class HAPTIC_OT_copy_material(_OnMaterial):
-    """Duplicate the active material of the library, without its objects"""
-
-    bl_label = "Copy Material"
-
-    def apply(self, context: Context) -> None:
-        materials = context.scene.haptics.materials
-        library.copy(context.scene, materials.items[materials.active])
-
-
 class HAPTIC_OT_remove_material(_OnMaterial):
     """Remove the active material from the library; its objects keep their values"""
 

@@ -11,7 +11,7 @@ from ..changes.redraw import redraw_viewports
 from ..properties.kinds import choice, number, switch
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions, worker
-from ..view import graph_mesh, table
+from ..view import graph_mesh
 
 _ITEMS = (
     *((mode.value, *words) for mode, words in MODES.items()),
@@ -61,22 +61,6 @@ class HAPTIC_OT_cancel_tracing(Action):
     def apply(self, context: Context) -> None:
         session.give_up()
         redraw_viewports()
-
-
-class HAPTIC_OT_copy_result(Action):
-    """Copy the result as text, a row per source and listener, columns separated by tabulators, for a spreadsheet"""
-
-    bl_label = "Copy Result"
-
-    needs = (
-        Need(
-            lambda context: sessions.shown(context.scene),
-            "Nothing has been traced yet: play, or press Trace This Frame",
-        ),
-    )
-
-    def apply(self, context: Context) -> None:
-        context.window_manager.clipboard = table.as_text(context.scene)
 
 
 class HAPTIC_OT_set_mode(Action):

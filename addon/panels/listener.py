@@ -38,11 +38,9 @@ class HAPTIC_PT_listener(ObjectPanel):
         )
         layout.prop(listener, "muted")
         draw_carrier(layout, context.object, "Feels")
-        row = layout.row(align=True)
-        row.operator(
+        layout.operator(
             "haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE"
         )
-        row.operator("haptic.mirror_listeners", text="", icon="MOD_MIRROR")
 
 
 def _draw_radius(listener: HapticListenerProperties, layout: UILayout) -> None:

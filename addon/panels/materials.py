@@ -75,7 +75,6 @@ class HAPTIC_PT_materials(ScenePanel):
         side = row.column(align=True)
         side.menu("HAPTIC_MT_materials", text="", icon="ADD")
         side.operator("haptic.remove_material", text="", icon="REMOVE")
-        side.operator("haptic.copy_material", text="", icon="DUPLICATE")
         layout.row().prop(materials, "target", expand=True)
         if 0 <= materials.active < len(materials.items):
             item = materials.items[materials.active]

@@ -16,13 +16,11 @@ _SELECTION = (
     ("haptic.add_source", "OUTLINER_OB_FORCE_FIELD"),
     ("haptic.add_listener", "OUTLINER_OB_LIGHTPROBE"),
     ("haptic.add_default_listeners", "OUTLINER_OB_ARMATURE"),
-    ("haptic.mirror_listeners", "MOD_MIRROR"),
     ("haptic.clear", "X"),
 )
 _MATERIALS = (
     ("haptic.guess_material", "VIEWZOOM"),
     ("haptic.new_material", "ADD"),
-    ("haptic.copy_material", "DUPLICATE"),
     ("haptic.remove_material", "REMOVE"),
     ("haptic.unlink_material", "UNLINKED"),
 )

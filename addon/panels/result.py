@@ -136,7 +136,6 @@ class HAPTIC_PT_table(Panel):
 
     def draw(self, context: Context) -> None:
         layout, scene = self.layout, context.scene
-        layout.operator("haptic.copy_result", icon="COPYDOWN")
         layout.row().prop(scene.haptics.meters, "sort_table", expand=True)
         found = table.rows(scene)
         grid = layout.grid_flow(row_major=True, columns=5, even_columns=True, align=True)

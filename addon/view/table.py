@@ -57,15 +57,3 @@ def cells(row: TableRow) -> tuple[str, ...]:
     """A row as texts, empty where there is no number."""
     numbers = (levels.change_words(value) if math.isfinite(value) else "" for value in row[2:])
     return row.listener, row.source, *numbers
-
-
-def as_text(scene: Scene) -> str:
-    """The table with its titles, columns separated by tabulators, numbers in decibels as programs
-    read them."""
-    titles = [f"{name} (dB)" for name in ("Gain", "Level", "Margin")]
-    lines = [["Listener", "Source", *titles]]
-    lines += [
-        [*row[:2], *(f"{value:.2f}" if math.isfinite(value) else "" for value in row[2:])]
-        for row in rows(scene)
-    ]
-    return "\n".join("\t".join(line) for line in lines)

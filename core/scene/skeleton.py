@@ -234,23 +234,6 @@ def part_in(text: str) -> str:
     return ""
 
 
-def partner(name: str, others: Iterable[str]) -> str:
-    """The bone of ``others`` on the other side of the body; the bone itself if it has no side or no
-    partner."""
-    base, side, numbers = _taken_apart(name)
-    wanted = base, {"L": "R", "R": "L"}.get(side), numbers
-    ranks = "DEF-", _SECOND_RATE
-    return next(
-        (
-            other
-            for other in others
-            if _taken_apart(other) == wanted
-            and all(other.startswith(rank) == name.startswith(rank) for rank in ranks)
-        ),
-        name,
-    )
-
-
 def _taken_apart(name: str) -> tuple[str, str, tuple[int, ...]]:
     """A bone's name without prefixes, its side and its numbers."""
     name = re.sub(r"^mixamorig\d*_?", "", name.rpartition(":")[2])

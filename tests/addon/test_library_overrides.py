@@ -230,14 +230,6 @@ def test_what_is_added_stands_beside_a_collection_of_another_file(
     assert added <= set(bpy.context.scene.collection.objects.keys())
 
 
-def test_a_mirrored_listener_stands_beside_the_collection_of_another_file(tmp_path: Path) -> None:
-    (listener,) = _rig(tmp_path / "library.blend", True).objects
-    listener.override_library.is_system_override = False
-    with bpy.context.temp_override(selected_objects=[listener]):
-        bpy.ops.haptic.mirror_listeners()
-    assert bpy.context.scene.collection.objects.keys() == ["hand.R"]
-
-
 def test_system_overrides_are_no_objects_to_edit(tmp_path: Path) -> None:
     _library(tmp_path / "library.blend")
     box, _ = _overridden(tmp_path / "library.blend")

@@ -201,33 +201,6 @@ def test_a_mesh_without_vertices_is_named_and_stays_as_it_is(scene):
     assert not body.haptics.enabled and len(body.children) == 0
 
 
-def test_mirroring_copies_settings_and_makes_what_is_missing(armature, skinned):
-    _select(armature)
-    bpy.ops.haptic.add_default_listeners()
-    listeners = _listeners(armature)
-    expected = listeners["hand.R"].matrix_world.translation.copy()
-    bpy.data.objects.remove(listeners.pop("hand.R"))
-    listeners["hand.L"].haptics.listener.gain = 1.7
-    listeners["ear.L"].haptics.listener.mixing = "power"
-    _select(listeners["hand.L"], listeners["ear.L"])
-    bpy.ops.haptic.mirror_listeners()
-    after = _listeners(armature)
-    assert len(after) == 12
-    assert after["hand.R"].haptics.listener.gain == pytest.approx(1.7)
-    assert after["ear.R"].haptics.listener.mixing == "power"
-    assert after["hand.R"].parent_bone == "mixamorig:RightHand"
-    assert tuple(after["hand.R"].matrix_world.translation) == pytest.approx(
-        tuple(expected), abs=1e-4
-    )
-
-
-def test_mirroring_needs_a_side(add_empty):
-    empty = add_empty("empty")
-    _select(empty)
-    with pytest.raises(RuntimeError, match="choose its body part"):
-        bpy.ops.haptic.mirror_listeners()
-
-
 def test_the_drawn_volume_is_the_listeners(add_empty):
     empty = add_empty("skin")
     empty.empty_display_type = "SPHERE"

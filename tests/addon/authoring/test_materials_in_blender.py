@@ -74,21 +74,6 @@ def test_a_material_is_applied_to_selected_children_or_collection(boxes, materia
         bpy.ops.haptic.apply_material(preset="steel")
 
 
-def test_an_editable_copy_leaves_the_original_alone(boxes, materials):
-    _select(boxes[0])
-    bpy.ops.haptic.apply_material(preset="steel")
-    bpy.ops.haptic.copy_material()
-    copy = materials.items[materials.active]
-    assert copy.name == "Steel.001"
-    assert copy.wave_speed == pytest.approx(5100)
-    copy.rho = 0.5
-    assert boxes[0].haptics.rho == pytest.approx(0.9)
-    bpy.ops.haptic.apply_material(name="Steel.001")
-    assert boxes[0].haptics.rho == pytest.approx(0.5)
-    with pytest.raises(RuntimeError, match="not in the scene's library"):
-        bpy.ops.haptic.apply_material(name="gone")
-
-
 def test_renaming_keeps_objects_and_names_apart(boxes, materials):
     _select(boxes[0])
     bpy.ops.haptic.apply_material(preset="steel")

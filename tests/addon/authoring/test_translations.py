@@ -78,7 +78,7 @@ def test_translations_keep_the_gaps():
 
 
 def test_reports_fill_translated_gaps():
-    assert GERMAN["messages"]["{} listeners mirrored"].format(3) == "3 Empfänger gespiegelt"
+    assert GERMAN["messages"]["{} frames baked"].format(3) == "3 Bilder gebacken"
 
 
 def test_the_dictionary_is_registered_and_removed():

@@ -63,7 +63,7 @@ def test_distances_to_segments_against_dense_sampling():
     assert np.isnan(inspection.distances_to(place, ends)[3])
 
 
-def test_the_table_is_sorted_and_copied(pair, add_box, add_empty, traced, settle):
+def test_the_table_is_sorted(pair, add_box, add_empty, traced, settle):
     fan = add_empty("fan", (0.0, 0, 0), bpy.data.objects["left"])
     fan.haptics.source.enabled, fan.haptics.source.amplitude = True, 0.01
     alone = add_box("alone", (9, 0, 0), (1, 1, 1))
@@ -75,12 +75,3 @@ def test_the_table_is_sorted_and_copied(pair, add_box, add_empty, traced, settle
     assert names() == [("hand", "fan"), ("hand", "drill"), ("alone", "")], "nearer, not louder"
     pair.haptics.meters.sort_table = "source"
     assert names() == [("alone", ""), ("hand", "drill"), ("hand", "fan")]
-    lines = [line.split("\t") for line in table.as_text(pair).splitlines()]
-    assert lines[0] == ["Listener", "Source", "Gain (dB)", "Level (dB)", "Margin (dB)"]
-    gains = sessions.shown(pair).result.gains
-    columns = [item.name for item in sessions.shown(pair).result.listeners]
-    rows = [item.name for item in sessions.shown(pair).result.sources]
-    for listener, source, gain, *_ in lines[2:]:
-        expected = 20 * math.log10(gains[rows.index(source), columns.index(listener)])
-        assert float(gain) == pytest.approx(expected, abs=0.006)
-    assert lines[1] == ["alone", "", "", "", ""]

@@ -4,7 +4,7 @@ has it."""
 import numpy as np
 import pytest
 from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS
-from haptic_tracing.core.scene.skeleton import Bone, partner, places
+from haptic_tracing.core.scene.skeleton import Bone, places
 
 # Where the joints of a body 1.8 m high are that faces -y: x to its left, z up. Name: head and tail.
 _SPINE = {1: (0.95, 1.05), 2: (1.05, 1.2), 3: (1.2, 1.35), 4: (1.35, 1.48)}
@@ -193,12 +193,3 @@ def test_helpers_of_a_generated_rig_do_not_win():
 def test_what_is_no_body_is_told_so(bones, words):
     with pytest.raises(ValueError, match=words):
         places(bones)
-
-
-@pytest.mark.parametrize("name", SKELETONS)
-def test_partners_are_each_others(name):
-    names = [bone.name for bone in _body(SKELETONS[name])]
-    for bone in _body(SKELETONS[name]):
-        other = partner(bone.name, names)
-        assert partner(other, names) == bone.name
-        assert (other == bone.name) == (bone.head[0] == 0)

@@ -42,14 +42,12 @@ def steps(window):
             ("make_objects", {"physics": True}, None),
             ("apply_material", {"preset": "rubber"}, None),
             ("new_material", {}, "Oak Crate"),
-            ("copy_material", {}, "Oak Crate"),
             ("remove_material", {}, "Oak Crate"),
             ("guess_material", {}, "Oak Crate"),
             ("unlink_material", {}, "Oak Crate"),
             ("add_source", {}, "Cube"),
             ("add_listener", {}, "Oak Crate"),
             ("add_default_listeners", {"parts": "ALL"}, "Oak Crate"),
-            ("mirror_listeners", {}, "Oak Crate hand.L"),
             ("add_source_object", {"kind": "NOISE"}, "Cube"),
             ("add_medium", {}, "Cube"),
             ("toggle_tracing", {}, "Cube"),
@@ -63,8 +61,6 @@ def steps(window):
     ):
         if active is not None:
             alone(active)
-            if operator == "mirror_listeners":
-                bpy.data.objects.remove(bpy.data.objects["Oak Crate hand.R"])
         with window.context():
             bpy.ops.ed.undo_push(message="before")
         yield 0.2
