@@ -23,11 +23,10 @@ from typing import Any
 _LENT = {
     "addon.authoring": "body_kit materials",
     "addon.bake": "baking playback storage takes waves",
-    "addon.io": "capture drawings frame_scene scene_builder signal_library sound_source "
-    "vibration_signal",
+    "addon.io": "capture drawings frame_scene signal_library sound_source vibration_signal",
     "addon.live_output": "outputs player preview",
     "addon.properties": "actuators",
-    "addon.scene_reader": "functions imported settings triggers",
+    "addon.scene_reader": "functions kept_signal settings triggers",
     "addon.session": "session",
     "addon.view": "comparison explanation gain_plot graph_mesh inspection lane levels "
     "meter_layout meter_pictures meters overlay "

@@ -17,7 +17,7 @@ _PAGES = {
     "devices": "ops.haptic.*device types.haptic*devi types.hapticlive types.hapticactuator",
     "panels/scene": "ops.haptic. types.hapticscene types.hapticrule types.hapticimpact "
     "types.haptictransmission types.haptictexture",
-    "formats": "ops.import_scene.haptic ops.export_scene.haptic",
+    "formats": "ops.haptic.drop_scene ops.export_scene.haptic",
     **{f"panels/{kind}": f"types.haptic{kind}" for kind in ("listener", "object")},
 }
 """Pages with patterns of the lower-case names of their operators and properties; the first match

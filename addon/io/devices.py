@@ -1,9 +1,7 @@
-"""Conversion between the devices of a scene file, with the signals of their actuators, and the
-choices of listeners.
+"""The devices of a scene file, with the signals of their actuators, from the choices of listeners.
 
 A listener with the automatic choice is written with the actuators at its body part of all devices
-with a known profile, so that readers need not implement the choice; when it is read again, the same
-actuators become the automatic choice.
+with a known profile, so that readers need not implement the choice.
 """
 
 from __future__ import annotations
@@ -20,9 +18,8 @@ from ...core.scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...core.scene.values import Listener
 from ..blender.full_names import object_named
 from ..blender.single_precision import shortest
-from ..properties.actuators import AUTOMATIC, MUTED, choice_of, places_of
+from ..properties.actuators import AUTOMATIC, MUTED, places_of
 from ..properties.sound import device_profiles
-from ..scene_reader.imported import stored, text_of
 
 ADJUSTED = ("gain", "floor", "curve", "ceiling", "offset")
 """Properties of a device that are written to its extras, under `EXTRAS`, if they differ from their
@@ -35,12 +32,7 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
     settings = scene.haptics.live_output.devices
     choices = {item.name: _choice(object_named(item.name)) for item in listeners}
     named = {place.device for choice in choices.values() for place in places_of(choice) or ()}
-    names = sorted({*settings.keys(), *named} - {""})
-    kept = {
-        name: stored(settings[name].imported if name in settings else "", "device")
-        for name in names
-    }
-    profiles = {name: known.get("profile") or profile_name(name) for name, known in kept.items()}
+    profiles = {name: profile_name(name) for name in sorted({*settings.keys(), *named} - {""})}
     found = automatic({item.name: item.body_part for item in listeners}, profiles)
     felt = {
         name: found[name] if choice == AUTOMATIC else places_of(choice) or []
@@ -49,47 +41,17 @@ def written_devices(scene: Scene, listeners: Sequence[Listener]) -> tuple[Device
     return tuple(
         DeviceMapping(
             name=name,
-            profile=profiles[name],
+            profile=profile,
             actuators=tuple(
                 ActuatorMapping(place.actuator, listener, place.gain)
                 for listener in sorted(felt)
                 for place in sorted(set(felt[listener]), key=lambda place: place.actuator)
                 if place.device == name and place.actuator
             ),
-            extras={**known.get("extras", {}), **_adjusted(settings.get(name))},
+            extras=_adjusted(settings.get(name)),
         )
-        for name, known in kept.items()
+        for name, profile in profiles.items()
     )
-
-
-def take_devices(
-    scene: Scene, devices: Sequence[DeviceMapping], listeners: Mapping[str, Object]
-) -> None:
-    """Add ``devices`` to a scene; ``listeners``: Blender's objects by their names in the file."""
-    settings = scene.haptics.live_output.devices
-    for device in devices:
-        own = settings.get(device.name) or settings.add()
-        own.name = device.name
-        extras = dict(device.extras)
-        adjusted = extras.pop(EXTRAS, None)
-        for key in ADJUSTED if isinstance(adjusted, dict) else ():
-            if isinstance(adjusted.get(key), int | float):
-                setattr(own, key, adjusted[key])
-        profile = device.profile if device.profile != profile_name(device.name) else None
-        own.imported = text_of(profile=profile, extras=extras)
-    parts = {name: obj.haptics.listener.part for name, obj in listeners.items()}
-    found = automatic(parts, {device.name: device.profile for device in devices})
-    for name, obj in listeners.items() if devices else ():
-        if is_muted(obj):
-            continue
-        places = [
-            Place(device.name, item.actuator, item.gain)
-            for device in devices
-            for item in device.actuators
-            if item.listener == name
-        ]
-        plain = set(places) == set(found[name]) and all(place.gain == 1.0 for place in places)
-        obj.haptics.live_output.actuators = AUTOMATIC if plain else choice_of(places)
 
 
 def is_muted(obj: Object | None) -> bool:

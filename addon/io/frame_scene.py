@@ -1,8 +1,4 @@
-"""The haptic scene of a traced frame, with the exact numbers of the trace.
-
-A frame that is written, imported and written again gives identical bytes, because objects and
-contacts that are where a file put them are traced with the numbers of the file.
-"""
+"""The haptic scene of a traced frame, with the exact numbers of the trace."""
 
 from __future__ import annotations
 
@@ -18,7 +14,6 @@ from ...core.formats.scene.recording import pair_of
 from ...core.forms import JsonObject
 from ...core.render.frame_result import FrameResult
 from ...core.scene.values import (
-    Contact,
     HapticObject,
     HapticScene,
     Listener,
@@ -28,7 +23,6 @@ from ...core.scene.values import (
 )
 from ..blender.full_names import object_named
 from ..blender.single_precision import shortest
-from ..scene_reader.imported import FileContacts, file_contacts, stored_extras
 from ..scene_reader.problem import why_untraced
 from ..scene_reader.reading import Reading
 from ..session import session
@@ -79,7 +73,7 @@ def scene_of_result(result: FrameResult, reading: Reading, scene: bpy.types.Scen
     Lists are ordered by name."""
     return replace(
         written_frame(result, reading, scene, WrittenObjects().of(reading)),
-        contacts=_contacts(result, file_contacts(scene.haptics.imported_contacts)),
+        contacts=tuple(sorted(result.contacts.to_contacts(result.objects), key=pair_of)),
     )
 
 
@@ -175,26 +169,7 @@ def _listener(item: Listener, obj: Object | None) -> Listener:
     return replace(item, extras={**item.extras, MUTED: True}) if is_muted(obj) else item
 
 
-def _contacts(result: FrameResult, kept: FileContacts) -> tuple[Contact, ...]:
-    """The traced contacts, ordered by the names of their objects; imported ones with their
-    extras."""
-    extras = {
-        item.positions: dict(item.extras)
-        for items in kept.contacts.values()
-        for item in items
-        if item.extras
-    }
-    contacts = sorted(result.contacts.to_contacts(result.objects), key=pair_of)
-    return tuple(
-        replace(item, extras=extras[item.positions]) if item.positions in extras else item
-        for item in contacts
-    )
-
-
 def _extras(scene: bpy.types.Scene, frame: int) -> JsonObject:
-    """The imported extras of the scene, with its frame and frame rate."""
-    rate = scene.render.fps / scene.render.fps_base
-    return {
-        **stored_extras(scene.haptics.imported),
-        EXTRAS: {"frame": frame, "frame_start": scene.frame_start, "frame_rate": shortest(rate)},
-    }
+    """The frame and frame rate of the scene."""
+    rate = shortest(scene.render.fps / scene.render.fps_base)
+    return {EXTRAS: {"frame": frame, "frame_start": scene.frame_start, "frame_rate": rate}}

@@ -1,8 +1,8 @@
-"""Export and import of the scene's library of haptic materials."""
+"""Export of the scene's library of haptic materials."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import bpy
 from bpy.types import Scene
@@ -10,10 +10,8 @@ from bpy.types import Scene
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.values import HapticObject
 from ..blender.single_precision import authored
-from ..properties.declared import read_values, write_values
-from ..properties.materials import HapticMaterial, add_material, own_values
-from ..scene_reader.imported import stored_item
-from .property_writer import stored_text
+from ..properties.declared import read_values
+from ..properties.materials import HapticMaterial, own_values
 
 
 def written_materials(
@@ -38,22 +36,5 @@ def written_materials(
     return (*known, *others)
 
 
-def take_materials(scene: Scene, materials: Sequence[LibraryMaterial]) -> list[str]:
-    """Add ``materials`` to a scene's library. Existing ones of the same name are kept, and their
-    names are returned if they differ."""
-    other = []
-    for material in materials:
-        known = scene.haptics.materials.items.get(material.name)
-        if known is None:
-            known = add_material(scene, material.name, {})
-            write_values(known, material)
-            known.imported = stored_text(material)
-        elif _material(known) != material:
-            other.append(material.name)
-    return other
-
-
 def _material(item: HapticMaterial) -> LibraryMaterial:
-    return LibraryMaterial(
-        item.name, **read_values(LibraryMaterial, item, stored_item(item.imported, "material"))
-    )
+    return LibraryMaterial(item.name, **read_values(LibraryMaterial, item))

@@ -22,7 +22,7 @@ from ..blender.single_precision import shortest
 from ..blender.time import frame_seconds, seconds_of, stretching
 from ..blender.words import TranslatedError, ui_text
 from ..properties.sound import device_profiles, sound_path
-from ..scene_reader.imported import text_of
+from ..scene_reader.kept_signal import text_of_signal
 
 WAVE_COLUMNS = 256
 """Values of each of the two waves that a panel draws."""
@@ -100,7 +100,7 @@ class Conversion:
         sound.taken = self._taken
         sound.is_edited = False
         sound.fault = ""
-        sound.kept = text_of(signal=(Loop(signal) if self._loops else signal).to_dict())
+        sound.kept = text_of_signal(Loop(signal) if self._loops else signal)
 
 
 def taken(scene: Scene, sound: Any) -> str:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-import bpy
 import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray
 from ...core.contacts.shapes import quaternions
 from ...core.scene.values import HapticObject, Pose
-from ..scene_reader.imported import stored_item
 from ..scene_reader.reading import Reading
 
 
@@ -24,20 +22,12 @@ class WrittenObjects:
         self._objects: tuple[HapticObject, ...] = ()
 
     def of(self, reading: Reading) -> tuple[HapticObject, ...]:
-        """The objects of a frame with the shapes and poses that they have in it. One that is still
-        where its file put it has the pose of the file."""
+        """The objects of a frame with the shapes and poses that they have in it."""
         changed = np.flatnonzero(self._changed(reading))
-        found = {}
-        if reading.settled and len(changed):
-            found = {obj.name_full: obj for obj in bpy.data.objects}
         objects = list(self._objects if len(changed) < len(reading.objects) else reading.objects)
         poses = _poses(reading.transforms[changed])
         for i, pose in zip(changed.tolist(), poses, strict=True):
-            item = reading.objects[i]
-            obj = found.get(item.name) if item.name in reading.settled else None
-            if obj is not None:
-                pose = stored_item(obj.haptics.imported, "object")["pose"]
-            objects[i] = replace(item, shape=reading.bodies[i].shape, pose=pose)
+            objects[i] = replace(reading.objects[i], shape=reading.bodies[i].shape, pose=pose)
         self._reading, self._objects = reading, tuple(objects)
         return self._objects
 
@@ -46,9 +36,8 @@ class WrittenObjects:
         last = self._reading
         if last is None or len(last.objects) != len(reading.objects):
             return np.ones(len(reading.objects), dtype=np.bool_)
-        unsettled = reading.settled ^ last.settled
         other = (
-            item is not before or body.shape is not before_body.shape or item.name in unsettled
+            item is not before or body.shape is not before_body.shape
             for item, before, body, before_body in zip(
                 reading.objects, last.objects, reading.bodies, last.bodies, strict=True
             )

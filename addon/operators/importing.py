@@ -1,4 +1,4 @@
-"""File > Import: haptic scenes as objects, vibrations as signals of sources."""
+"""File > Import: vibrations and sounds as signals of sources."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Context, Event
 
-from ...core.formats import haptic_scene, registry
+from ...core.formats import registry
 from ...core.formats.io.catalogue import readers
-from ..blender.polling import Edit, OnActive
-from ..io import scene_builder, vibration_signal
-from ..properties.kinds import switch, whole
+from ..blender.polling import Edit, OnActive, Refused
+from ..io import vibration_signal
+from ..properties.kinds import switch, text, whole
 from ..properties.sound import SOUNDS, sound_path
-from ..scene_reader import imported
+from ..scene_reader import kept_signal
 from .exporting import MOST_REPORTED
 from .signals import convert_sound
 from .tagging import let_shake
@@ -36,23 +36,20 @@ class _FromFile:
         return {"RUNNING_MODAL"}
 
 
-class HAPTIC_OT_import_scene(_FromFile, Edit):
-    """Make objects, sources and listeners of a haptic scene; what changes over time becomes keyframes"""
+class HAPTIC_OT_drop_scene(Edit):
+    """Say where a haptic scene is opened"""
 
-    bl_idname = "import_scene.haptic_scene"
-    bl_label = "Import Haptic Scene"
+    bl_label = "Haptic Scene"
+    bl_options = {"INTERNAL"}
 
-    filter_glob: StringProperty(default="*.json;*.json.gz", options={"HIDDEN"})
-    use_settings: switch(
-        "Settings", "Take over the settings of the file, its frame rate and its frames", True
-    )
+    filepath: text("File", "The file that was dropped", options={"HIDDEN", "SKIP_SAVE"})
 
     def apply(self, context: Context) -> None:
-        export = haptic_scene.read_export(bpy.path.abspath(self.filepath))
-        losses = scene_builder.build(export, context.scene, self.use_settings)
-        for loss in losses[:MOST_REPORTED]:
-            self.warn(loss)
-        self.tell("Haptic scene imported: {}", Path(self.filepath).name)
+        raise Refused(
+            "{} was exported from a .blend: open that here; outside Blender, haptic_tracing.load "
+            "opens the haptic scene",
+            Path(self.filepath).name,
+        )
 
 
 class HAPTIC_OT_import_signal(_FromFile, OnActive):
@@ -77,7 +74,7 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive):
         let_shake(context.scene, obj)
         source = obj.haptics.source
         source.enabled = True
-        source.imported = imported.text_of(signal=signal.to_dict())
+        source.kept = kept_signal.text_of_signal(signal)
         source.signal = "KEPT"
         for loss in reading.losses[:MOST_REPORTED]:
             self.warn(loss)

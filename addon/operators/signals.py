@@ -13,7 +13,7 @@ from ..blender.words import report_text
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
 from ..properties.kinds import limited, share, text, whole
-from ..scene_reader import imported
+from ..scene_reader import kept_signal
 
 _TIMES = (0.0, 100.0)
 """Range of the parts of an envelope [s]."""
@@ -128,7 +128,7 @@ class HAPTIC_OT_use_signal(OnActive):
         signal = signal_library.read(path)
         tree = drawings.drawn(path.stem, signal)
         if tree is None:
-            source.imported = imported.text_of(signal=signal.to_dict())
+            source.kept = kept_signal.text_of_signal(signal)
             source.signal = "KEPT"
         else:
             source.drawing, source.signal = tree, "DRAWN"

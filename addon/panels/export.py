@@ -57,7 +57,7 @@ class HAPTIC_FH_scene(FileHandler):
     """Haptic scenes"""
 
     bl_label = "Haptic Scene"
-    bl_import_operator = "import_scene.haptic_scene"
+    bl_import_operator = "haptic.drop_scene"
     bl_export_operator = "export_scene.haptic_scene"
     bl_file_extensions = ".json;.gz"
 
@@ -108,7 +108,6 @@ def draw_export(self: Menu, context: Context) -> None:
 
 def draw_import(self: Menu, context: Context) -> None:
     """Entries of File > Import."""
-    self.layout.operator("import_scene.haptic_scene", text="Haptic Scene (.json)")
     _draw_entry(
         self.layout,
         "haptic.import_signal",

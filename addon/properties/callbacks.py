@@ -10,7 +10,6 @@ from bpy.types import Context, PropertyGroup
 
 from ..changes.redraw import redraw_viewports
 from ..changes.revisions import SCENE, mark_changed
-from .kinds import text
 
 Callback = Callable[[Any, Context], None]
 _Group = TypeVar("_Group", bound=type[PropertyGroup])
@@ -56,17 +55,3 @@ def updating(callback: Callback = changed, *, animated: bool = True) -> Callable
         return group
 
     return decorate
-
-
-class Stored:
-    """Mixin: a property group with an item of an imported file as JSON text; see
-    `scene_reader.imported`."""
-
-    held = dict[type, dict[str, str]]()
-    """The properties of declared fields, by class and field: see `declared.holding`."""
-    imported: text(
-        "Imported",
-        "What an imported file says beyond these properties",
-        options={"HIDDEN"},
-        update=changed,
-    )

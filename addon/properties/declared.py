@@ -171,19 +171,13 @@ def _values_of(cls: type, key: str) -> dict[str, Any]:
     return {identifier(value): value for value in declared(cls)[key].items}  # type: ignore[attr-defined]
 
 
-def read_values(cls: type, group: Any, stored: Form) -> dict[str, Any]:
-    """The values of the fields of ``cls`` that the properties of ``group`` hold, and those
-    ``stored`` of the others. A stored value counts as long as its property holds it, which may be
-    with fewer digits."""
-    values = dict(stored)
+def read_values(cls: type, group: Any) -> dict[str, Any]:
+    """The values of the fields of ``cls`` that the properties of ``group`` hold."""
+    values: dict[str, Any] = {}
     declarations = declared(cls)
     for key, name in group.held.get(cls, _NOTHING).items():
         declaration = declarations[key]
         held = getattr(group, name)
-        if isinstance(declaration, Numbers):
-            held = tuple(held)
-        if key in stored and _held_as(declaration, stored[key]) == held:
-            continue
         match declaration:
             case Choice():
                 values[key] = _values_of(cls, key)[held]

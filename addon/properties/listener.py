@@ -6,7 +6,7 @@ from bpy.types import Context, PropertyGroup
 
 from ...core.scene.values import Extent, Listener
 from ..blender.units import metres_per_unit
-from .callbacks import Stored, changed, object_changed, updating
+from .callbacks import changed, object_changed, updating
 from .declared import holding
 from .kinds import switch
 
@@ -34,7 +34,7 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
 
 @updating(object_changed)
 @holding(Listener, more={"radius": {"update": _radius_edited}})
-class HapticListenerProperties(Stored, PropertyGroup):
+class HapticListenerProperties(PropertyGroup):
     """A haptic listener, which receives signals at a point of the body."""
 
     enabled: switch(

@@ -54,9 +54,6 @@ class HapticDeviceProperties(PropertyGroup):
         soft_max=200.0,
         precision=0,
     )
-    imported: text(
-        "Imported", "What an imported file says beyond these properties", options={"HIDDEN"}
-    )
 
 
 class HapticLiveOutputProperties(PropertyGroup):

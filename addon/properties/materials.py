@@ -24,7 +24,7 @@ from ...core.scene.functions import Spectrum
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender.progress import progress
-from .callbacks import Stored, object_changed, scene_changed, updating
+from .callbacks import object_changed, scene_changed, updating
 from .declared import holding
 from .kinds import choice, text
 
@@ -115,7 +115,7 @@ def unique_name(name: str, taken: set[str]) -> str:
 
 @updating(_material_changed, animated=False)
 @holding(LibraryMaterial)
-class HapticMaterial(Stored, PropertyGroup):
+class HapticMaterial(PropertyGroup):
     """A material of the scene's library."""
 
     name: text("Name", "Name of the material in this scene's library", update=_material_renamed)

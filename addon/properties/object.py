@@ -9,7 +9,7 @@ from ...core.scene.functions import Physical, Spectrum
 from ...core.scene.values import HapticObject
 from ..changes.events import made_haptic
 from . import live_output, materials
-from .callbacks import Stored, changed, object_changed, updating
+from .callbacks import changed, object_changed, updating
 from .declared import holding
 from .function import VIBRATION_FUNCTIONS, FunctionParameters, function_property
 from .kinds import choice, number, reference, switch
@@ -28,7 +28,7 @@ def _enabled_edited(self: HapticObjectProperties, context: Context) -> None:
 @holding(Physical, thickness="plate_thickness")
 @holding(Spectrum, "wave_speed")
 @holding(HapticObject)
-class HapticObjectProperties(Stored, FunctionParameters, PropertyGroup):
+class HapticObjectProperties(FunctionParameters, PropertyGroup):
     """A haptic object, which transmits signals."""
 
     enabled: switch("Haptic Object", "Vibration passes through this object", update=_enabled_edited)

@@ -11,7 +11,7 @@ from bpy.types import PropertyGroup
 
 from ...core.scene.impact_rule import TEMPLATES, ImpactLimits, ImpactRule
 from ...core.scene.texture import Texture
-from .callbacks import Stored, scene_changed, updating
+from .callbacks import scene_changed, updating
 from .declared import holding, items_of
 from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
@@ -58,7 +58,7 @@ class TableRows:
 @updating(scene_changed, animated=False)
 @holding(ImpactRule)
 @holding(ImpactLimits)
-class HapticImpactRule(RuleScope, Stored, PropertyGroup):
+class HapticImpactRule(RuleScope, PropertyGroup):
     """The rule for impacts between some objects."""
 
     template: choice(
@@ -67,7 +67,6 @@ class HapticImpactRule(RuleScope, Stored, PropertyGroup):
         (
             *items_of(TEMPLATES),
             ("FILE", "File", "The first vibration in a file"),
-            ("KEPT", "Imported", "The signal of an imported file, kept in this one"),
             ("DRAWN", "Drawn", "A signal that was drawn for a source, once"),
         ),
     )
@@ -84,7 +83,7 @@ class HapticImpactTable(TableRows, PropertyGroup):
 
 @updating(scene_changed, animated=False)
 @holding(Texture)
-class HapticTexture(RuleScope, Stored, PropertyGroup):
+class HapticTexture(RuleScope, PropertyGroup):
     """The texture of some objects that slide or roll on each other."""
 
 
@@ -95,7 +94,7 @@ class HapticTextureTable(TableRows, PropertyGroup):
 
 
 @updating(scene_changed, animated=False)
-class HapticTransmissionRule(RuleScope, ContactParameters, Stored, PropertyGroup):
+class HapticTransmissionRule(RuleScope, ContactParameters, PropertyGroup):
     """The transmission function of contacts between some objects."""
 
     function: function_property(TRANSMISSIONS, "impedance")

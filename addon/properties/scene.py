@@ -8,7 +8,7 @@ from bpy.types import PropertyGroup
 from ...core.scene.rules import ContactSettings
 from ...core.scene.values import Settings
 from . import bake, live_output, materials, rules
-from .callbacks import Stored, changed, scene_changed, updating, view_changed
+from .callbacks import changed, scene_changed, updating, view_changed
 from .declared import holding
 from .kinds import choice, switch, text
 
@@ -69,7 +69,7 @@ class HapticMetersProperties(PropertyGroup):
     templates="impact_signal",
 )
 @holding(Settings)
-class HapticSceneProperties(Stored, PropertyGroup):
+class HapticSceneProperties(PropertyGroup):
     """How a scene is traced and shown."""
 
     tracing: switch(
@@ -122,12 +122,6 @@ class HapticSceneProperties(Stored, PropertyGroup):
     meters: PointerProperty(type=HapticMetersProperties)
     live_output: PointerProperty(type=live_output.HapticLiveOutputProperties)
     materials: PointerProperty(type=materials.HapticMaterialLibrary)
-    imported_contacts: text(
-        "Imported Contacts",
-        "The contacts of an imported file, which count while objects stand where it put them",
-        options={"HIDDEN"},
-        update=changed,
-    )
     kept_impacts: text(
         "Kept Impacts", "The impacts of the frame in which the file was saved", options={"HIDDEN"}
     )

@@ -6,7 +6,7 @@ from bpy.props import PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
 from ...core.scene.values import Source
-from .callbacks import Stored, changed, object_changed, updating
+from .callbacks import changed, object_changed, updating
 from .declared import holding
 from .drawing import drawing_property
 from .kinds import choice, file_path, limited, share, switch, text
@@ -18,7 +18,7 @@ SIGNAL_ITEMS = (
     ("FILE", "WAV File", "A recorded signal", "", 3),
     ("DRAWN", "Drawn", "Amplitude and frequency as curves", "", 4),
     ("SOUND", "Sound", "Vibration that follows the loudness, pitch and onsets of a sound", "", 5),
-    ("KEPT", "Imported", "The signal of an imported file, kept in this one", "", 6),
+    ("KEPT", "Imported", "The vibration of an imported file, kept in this one", "", 6),
     (
         "BLAST",
         "Blast",
@@ -36,7 +36,7 @@ def _name(name: str, description: str) -> StringProperty:
 
 @updating(object_changed)
 @holding(Source)
-class HapticSourceProperties(Stored, PropertyGroup):
+class HapticSourceProperties(PropertyGroup):
     """A haptic source, which emits a signal."""
 
     enabled: switch("Haptic Source", "This object emits a haptic signal", update=changed)
@@ -57,6 +57,7 @@ class HapticSourceProperties(Stored, PropertyGroup):
         soft_min=10.0,
         soft_max=500.0,
     )
+    kept: text("Kept", "The imported vibration as JSON", options={"HIDDEN"}, update=object_changed)
     drawing: drawing_property()
     filepath: file_path("WAV File", "The recorded signal, looped")
     sound: PointerProperty(type=HapticSoundProperties)

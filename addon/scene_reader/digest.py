@@ -398,9 +398,8 @@ def _motion(obj: Object, ignored: tuple[str, ...] = ()) -> dict[str, str]:
 
 def _body(obj: Object) -> list[Any]:
     """The values of an object's rigid body, and its collision layers."""
-    if obj.rigid_body is None:
-        return []
-    return [*values_of(obj.rigid_body, _BODY), read_layers(obj, 1)]
+    body = obj.rigid_body
+    return [] if body is None else [*values_of(body, _BODY), read_layers(obj)]
 
 
 def _effective_values(item: Any, prefix: str, animated: Collection[str]) -> list[Any]:

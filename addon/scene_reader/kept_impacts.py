@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +15,10 @@ from ...core.contacts.impacts import Impact
 from ...core.events.impacts import ActiveImpact
 from ...core.events.one_shots import Shot
 from ...core.events.stored import FrameEvents
+from ...core.formats.io.schema import load_schema
+from ...core.formats.io.strict_json import parse_json
 from ...core.forms import JsonObject
 from ...core.scene.values import TriggerKind
-from .imported import stored, with_floats
 
 _MOST_CHARACTERS = 2**16
 """Largest size of the text; more impacts are not stored."""
@@ -43,11 +47,8 @@ def impacts_from_text(
 ) -> FrameEvents | None:
     """The stored impacts of a frame; None if there are none, or if anything has changed since. The
     text may be untrusted: an invalid one counts as none."""
-    if not 0 < len(text) <= _MOST_CHARACTERS:
-        return None
-    try:
-        form = stored(text, "impacts")
-    except ValueError:
+    form = _form(text)
+    if form is None:
         return None
     row = {name: number for number, name in enumerate(names)}
     if (form["frame"], form["motion"]) != (frame, motion) or not all(
@@ -62,10 +63,43 @@ def impacts_from_text(
     return FrameEvents(float(form["start"]), sounding, poses, shots) if sounding or shots else None
 
 
+def _form(text: str) -> JsonObject | None:
+    """The document that the text stores, None if it is invalid."""
+    import fastjsonschema
+
+    if not 0 < len(text) <= _MOST_CHARACTERS:
+        return None
+    try:
+        document: JsonObject = parse_json(text.encode("utf-8", "surrogatepass"), "impacts")
+        _validator()(document)
+    except (ValueError, fastjsonschema.JsonSchemaValueException):
+        return None
+    return document
+
+
+@cache
+def _validator() -> Callable[[Any], Any]:
+    import fastjsonschema
+
+    schema = json.loads(Path(__file__).with_name("impacts.schema.json").read_text("utf-8"))
+    handlers = {
+        "https": lambda uri: load_schema(uri.rpartition("/")[2].removesuffix(".schema.json"))
+    }
+    validate: Callable[[Any], Any] = fastjsonschema.compile(schema, handlers, use_default=False)
+    return validate
+
+
+def _with_floats(value: Any) -> Any:
+    """A JSON value with floats for integers and tuples for lists, at any depth."""
+    if isinstance(value, list):
+        return tuple(map(_with_floats, value))
+    return float(value) if isinstance(value, int) else value
+
+
 def _sounding(item: JsonObject, row: dict[str, int]) -> ActiveImpact:
     first, second = item["objects"]
     values = {
-        key: with_floats(item[key])
+        key: _with_floats(item[key])
         for key in ("time", "positions", "normal", "energy", "amplitude")
     }
     on_first, on_second = (np.array(place, dtype=np.float64) for place in item["local"])

@@ -9,16 +9,15 @@ from bpy.types import Object, Scene
 
 from ...core.contacts.settings import Motion
 from ...core.declaration import Curve
-from ...core.forms import Form
 from ...core.scene.materials import named_in
-from ...core.scene.values import ALL_LAYERS, HapticObject, Listener, Source, SourceKind
+from ...core.scene.values import ALL_LAYERS, HapticObject, Listener, Source
 from ...core.signals import Automation, impact_material
-from ..blender.full_names import object_meant, object_named
+from ..blender.full_names import object_named
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
 from .functions import read_function
-from .imported import stored_item
+from .kept_signal import signal_of_text
 from .signals import decaying, played_once, read_signal
 
 
@@ -26,32 +25,31 @@ def read_object(obj: Object, scene: Scene) -> HapticObject:
     """The haptic object of a Blender object, without shape and pose. Raises ValueError if its
     function is invalid."""
     haptics = obj.haptics
-    stored = stored_item(haptics.imported, "object")
-    values = {
-        **read_values(HapticObject, haptics, stored),
-        "propagation": read_function(haptics, stored.get("propagation")),
-        "shape": None,
-        "pose": None,
-        **_read_physics(obj, scene, stored),
-        "impact_material": read_impact_material(obj) or stored.get("impact_material", ""),
-        "material": haptics.material.name,
-    }
-    return HapticObject(obj.name_full, **values)
+    return HapticObject(
+        obj.name_full,
+        **read_values(HapticObject, haptics),
+        **_read_physics(obj, scene),
+        propagation=read_function(haptics),
+        impact_material=read_impact_material(obj) or "",
+        material=haptics.material.name,
+    )
 
 
 def has_body_of(obj: Object, item: HapticObject, scene: Scene) -> bool:
     """Whether an object is still the rigid body, or none, that its haptic object ``item`` says."""
-    physics = _read_physics(obj, scene, stored_item(obj.haptics.imported, "object"))
-    return physics == {"mass": item.mass, "motion": item.motion, "layers": item.layers}
+    return _read_physics(obj, scene) == {
+        "mass": item.mass,
+        "motion": item.motion,
+        "layers": item.layers,
+    }
 
 
-def _read_physics(obj: Object, scene: Scene, stored: Form) -> dict[str, Any]:
-    """The values of a haptic object that a rigid body has; without one those of the imported
-    file."""
+def _read_physics(obj: Object, scene: Scene) -> dict[str, Any]:
+    """The values of a haptic object that a rigid body has."""
     return {
-        "mass": stored.get("mass") if obj.rigid_body is None else mass_of(obj, scene),
-        "motion": read_motion(obj, stored.get("motion")),
-        "layers": read_layers(obj, stored.get("layers", ALL_LAYERS)),
+        "mass": None if obj.rigid_body is None else mass_of(obj, scene),
+        "motion": read_motion(obj),
+        "layers": read_layers(obj),
     }
 
 
@@ -66,8 +64,8 @@ def mass_of(obj: Object, scene: Scene) -> float:
 def read_source(
     obj: Object, carrier: str, frequency: Automation | None = None, is_silenced: bool = False
 ) -> Source:
-    """The source of a Blender object, without its triggers. The reader sets its position in every
-    frame; here it has that of the imported file, if any.
+    """The source of a Blender object, without its triggers and its position, which the reader sets
+    in every frame.
 
     Args:
         obj: the object.
@@ -76,18 +74,10 @@ def read_source(
         is_silenced: whether it is muted, or others are solo.
     """
     properties = obj.haptics.source
-    stored = stored_item(properties.imported, "source")
-    values = {**read_values(Source, properties, stored), "triggers": None}
-    second = object_meant(values.get("second_object") or "", obj)
-    if second is None or not second.haptics.enabled or second.name_full == carrier:
-        values["second_object"] = values["second_position"] = None
-    else:
-        values["second_object"] = second.name_full
-    signal = (
-        stored.get("signal") if properties.signal == "KEPT" else read_signal(properties, frequency)
-    )
-    if values.get("kind", SourceKind.PERSISTENT) is SourceKind.PERSISTENT:
-        signal = decaying(signal, properties.decay)
+    values = read_values(Source, properties)
+    kept = properties.signal == "KEPT"
+    signal = signal_of_text(properties.kept) if kept else read_signal(properties, frequency)
+    signal = decaying(signal, properties.decay)
     values["signal"] = played_once(signal) if properties.one_shot else signal
     if is_silenced:
         values["amplitude"] = 0.0
@@ -109,13 +99,12 @@ def calibrated(listener: Listener) -> Listener:
 
 
 def read_listener(obj: Object, carrier: str, is_silenced: bool = False) -> Listener:
-    """The listener of a Blender object on the haptic object of the name ``carrier``, with its
-    position as that of `read_source`."""
+    """The listener of a Blender object on the haptic object of the name ``carrier``, without its
+    position, as `read_source`."""
     properties = obj.haptics.listener
-    stored = stored_item(properties.imported, "listener")
-    values = read_values(Listener, properties, stored)
+    values = read_values(Listener, properties)
     if values["mixing"] != "custom":
-        values["mixing_expression"] = stored.get("mixing_expression", "")
+        values["mixing_expression"] = ""
     if is_silenced:
         values["gain"] = 0.0
     return Listener(obj.name_full, carrier, **values)
@@ -128,13 +117,12 @@ def read_impact_material(obj: Object) -> str | None:
     return None if material is None else impact_material(material.name)
 
 
-def read_layers(obj: Object, imported: int) -> int:
+def read_layers(obj: Object) -> int:
     """The layers of collision of a rigid body, as bits: its collision collections in Blender; none
-    of a part of a haptic compound, which strikes for it. An object without one has those of its
-    ``imported`` file."""
+    of a part of a haptic compound, which strikes for it. An object without one is in all."""
     body = obj.rigid_body
     if body is None:
-        return imported
+        return ALL_LAYERS
     above = obj.parent
     whole = above.rigid_body if above is not None and above.haptics.enabled else None
     if whole is not None and whole.collision_shape == "COMPOUND":
@@ -142,12 +130,9 @@ def read_layers(obj: Object, imported: int) -> int:
     return sum(1 << k for k, is_in in enumerate(body.collision_collections) if is_in)
 
 
-def read_motion(obj: Object, imported: Motion | None) -> Motion:
-    """How an object moves: by physics, by animation, or not at all; as in its imported file if it
-    is not a rigid body."""
+def read_motion(obj: Object) -> Motion:
+    """How an object moves: by physics, by animation, or not at all."""
     body = obj.rigid_body
-    if body is None and imported is not None:
-        return imported
     if body is None or body.kinematic:
         return Motion.KINEMATIC
     return Motion.DYNAMIC if body.type == "ACTIVE" else Motion.STATIC

@@ -41,8 +41,6 @@ from .collision_shapes import (
     shape_settings,
 )
 from .evaluation import Evaluation
-from .imported import near, stored_item
-from .imported_contacts import ImportedContacts
 from .instances import (
     NONE,
     Instances,
@@ -120,11 +118,9 @@ class SceneReader:
         self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
         self._transforms = np.zeros((0, 4, 4))  # of the bodies
         self._placed: list[Source | Listener] = []  # with their positions in this frame
-        self._settled: frozenset[str] = frozenset()
-        self._imported = ImportedContacts()
         self._tables: dict[str, Any] | None = None  # of rules
         self._meant = ObjectsMeant()
-        # Problems of imported contacts and of instances; those of objects are in `Tagged`.
+        # Problems of instances; those of objects are in `Tagged`.
         self._problems_beside: tuple[Problem, ...] = ()
         self._problems_of_rules: list[Problem] = []
         self._markers: tuple[tuple[str, int], ...] = ()
@@ -237,15 +233,11 @@ class SceneReader:
             settings=self._settings,
             contact_settings=self._contact_settings,
             problems=(*self._problems_beside, *self._problems_of_rules, *lists.problems),
-            settled=self._settled,
             hulls=lists.hulls,
             moving_instances=(len(self._instances.places), self._instance_milliseconds)
             if self._instance_milliseconds
             else None,
             rebuilt=self._rebuilt,
-            authored=self._imported.authored(
-                lists.file_poses, self._settled, self._contact_settings
-            ),
         )
 
     def _covers(self, evaluation: Evaluation, depsgraph: Depsgraph) -> bool:
@@ -284,9 +276,7 @@ class SceneReader:
             self._unchecked |= set(present.tolist()) - set(self._present.tolist())
             self._present = present
             self._read_all(depsgraph, raw)
-            self._imported.read(scene)
             self._problems_beside = (
-                *(Problem("", problem) for problem in self._imported.problems),
                 *_instance_problems(depsgraph),
                 *self._problems_of_instances,
             )
@@ -423,9 +413,7 @@ class SceneReader:
             shape = shapes[key]
             body = Body.of(item, shape.shape)
             row = rows + len(places)
-            tagged[row] = Tagged(
-                row, (), tuple(stretch.tolist()), item, body, None, None, None, None, ()
-            )
+            tagged[row] = Tagged(row, (), tuple(stretch.tolist()), item, body, None, None, None, ())
             places.append(found.place)
             matrices.append(raw[found.place])
         self._problems_of_instances = tuple(problems)
@@ -516,11 +504,9 @@ class SceneReader:
             lists = lists.reshaped(reshaped)
         if is_moved or lists is not self._lists:
             self._transforms = self._rigid.take(lists.of_bodies, axis=0)
-            self._settled = lists.file_poses.snap(self._transforms)
             places = self._raw[lists.rows.searchsorted(lists.of_places), 12:15].tolist()
             self._placed = [
-                item if near(item.position, place) else item.moved(place)
-                for place, item in zip(places, lists.places, strict=True)
+                item.moved(place) for place, item in zip(places, lists.places, strict=True)
             ]
         self._lists = lists
         self._unchecked, self._postponed = self._postponed, set()
@@ -623,17 +609,16 @@ class SceneReader:
         haptics = obj.haptics
         name = obj.name_full
         problems: list[Problem] = []
-        haptic_object = body = surface = home = source = listener = None
+        haptic_object = body = surface = source = listener = None
         animated = compatibility.animated_paths(obj)
         if np.isnan(stretch).any():
-            nothing = (None,) * 6
+            nothing = (None,) * 5
             return Tagged(row, animated, tuple(stretch.tolist()), *nothing, (_lost(obj),))
         if haptics.enabled:
             try:
                 surface = self._shape(obj, depsgraph, stretch)
                 haptic_object = read_object(obj, depsgraph.scene)
                 body = Body.of(haptic_object, surface.shape)
-                home = _as_imported(obj, "pose", stretch)
             except ValueError as error:
                 if obj.session_uid not in self._instances.instancers:
                     problems.append(Problem(name, str(error)))
@@ -674,7 +659,6 @@ class SceneReader:
             haptic_object,
             body,
             surface,
-            home,
             source,
             listener,
             tuple(problems),
@@ -703,11 +687,8 @@ class SceneReader:
         return np.where(_differ(rounded, known)[:, None], rounded, known)
 
     def _shape(self, obj: Object, depsgraph: Depsgraph, stretch: FloatArray) -> SurfaceShape:
-        """The collision shape of an object with its world ``stretch`` (6,): that of an imported
-        file, else the known one unless its settings or its mesh have changed."""
-        imported = _as_imported(obj, "shape", stretch)
-        if imported is not None:
-            return SurfaceShape(imported)
+        """The collision shape of an object with its world ``stretch`` (6,): the known one
+        unless its settings or its mesh have changed."""
         if obj.haptics.surface == "SEEN" and obj.rigid_body is None:
             armature = armature_of(obj)
             shape = armature and self._bone_shape(obj, armature, depsgraph, stretch)
@@ -773,12 +754,8 @@ def _with_current_regions(item: Source, row: int, scene: Scene) -> Source:
     """``item``, the source of the object in ``row``, with the pose that the regions of its
     *passing* triggers have in this frame."""
     source = bpy.data.objects[row].haptics.source
-    kept = stored_item(source.imported, "source").get("triggers") or ()
     place = region_of(source, scene)
-    moved = (
-        replace(t, **place) if t.on is TriggerKind.PASSING and t not in kept else t
-        for t in item.triggers or ()
-    )
+    moved = (replace(t, **place) if t.on is TriggerKind.PASSING else t for t in item.triggers or ())
     return replace(item, triggers=tuple(moved))
 
 
@@ -838,19 +815,6 @@ def _values_at(obj: Object, paths: tuple[str, ...]) -> tuple[Any, ...]:
             value = None
         values.append(tuple(value) if hasattr(value, "__iter__") else value)
     return tuple(values)
-
-
-def _as_imported(obj: Object, key: str, stretch: FloatArray) -> Any:
-    """The ``shape`` or ``pose`` of an object in its imported file, by ``key``; None without one, or
-    if an author has replaced it."""
-    value = stored_item(obj.haptics.imported, "object").get(key)
-    is_kept = (
-        value is not None
-        and obj.rigid_body is None
-        and not obj.haptics.is_property_set("surface")
-        and bool(np.all(np.abs(stretch - (1, 1, 1, 0, 0, 0)) < 2e-5))
-    )
-    return value if is_kept else None
 
 
 def _lost(obj: Object) -> Problem:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import field
 
 from ...core.arrays import FloatArray
-from ...core.contacts.authored import AuthoredContacts
 from ...core.contacts.settings import Body, ContactSettings
 from ...core.contacts.surface_shape import SurfaceShape
 from ...core.frozen import frozen
@@ -25,8 +24,6 @@ class Reading:
             sound.
         settings, contact_settings: of propagation, and of contacts and impacts.
         problems: for the designer to fix.
-        settled: names of the objects that have not moved since their import.
-        authored: the imported contacts, None without any.
         hulls: shapes of the objects, by name, whose convex hull deviates from their surface.
         moving_instances: number of instances read again in this frame, and how long that took [ms].
         rebuilt: how long reading a changed surface took the last time [ms], by name of the object.
@@ -40,8 +37,6 @@ class Reading:
     settings: Settings
     contact_settings: ContactSettings
     problems: tuple[Problem, ...]
-    settled: frozenset[str] = frozenset()
-    authored: AuthoredContacts | None = None
     hulls: Mapping[str, SurfaceShape] = field(default_factory=dict)
     moving_instances: tuple[int, float] | None = None
     rebuilt: Mapping[str, float] = field(default_factory=dict)

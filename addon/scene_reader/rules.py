@@ -13,7 +13,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Scene
 
 from ...core.formats import registry
-from ...core.forms import Form, JsonObject
+from ...core.forms import JsonObject
 from ...core.scene.impact_rule import ImpactLimits, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import MOST_ROWS, Rule, RuleTable, Side
 from ...core.scene.texture import Texture
@@ -23,7 +23,6 @@ from ..blender.paths import local_path
 from ..properties.declared import identifier, read_values
 from .drawings import read_drawing
 from .functions import read_transmission
-from .imported import fields_of, stored_item
 from .problem import Problem
 
 _ABSENT = {
@@ -82,33 +81,18 @@ def _between(
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
     """The impact rule of a row, and why its signal cannot be played, "" if it can. A rule whose
     signal cannot be played has the one by material."""
-    stored, fault = _stored(row, "impact_rule")
-    values = read_values(ImpactRule, row, stored)
-    limits = (
-        ImpactLimits(**read_values(ImpactLimits, row, fields_of(stored.get("limits"))))
-        if row.use_limits
-        else None
-    )
-    template = ImpactRule().template
+    limits = ImpactLimits(**read_values(ImpactLimits, row)) if row.use_limits else None
+    template, fault = ImpactRule().template, ""
     try:
-        template = ImpactRule(_template(row, stored.get("template"))).template
+        template = ImpactRule(_template(row)).template
     except (OSError, ValueError) as error:
-        fault = fault or str(error)
-    return ImpactRule(**{**values, "template": template, "limits": limits}), fault
+        fault = str(error)
+    return ImpactRule(template=template, limits=limits, **read_values(ImpactRule, row)), fault
 
 
 def read_texture(row: Any) -> tuple[Texture, str]:
     """The texture of a row for sliding and rolling."""
-    stored, fault = _stored(row, "texture")
-    return Texture(**read_values(Texture, row, stored)), fault
-
-
-def _stored(row: Any, name: str) -> tuple[Form, str]:
-    """The stored item of a row, and why it is damaged."""
-    try:
-        return stored_item(row.imported, name), ""
-    except ValueError as error:
-        return {}, str(error)
+    return Texture(**read_values(Texture, row)), ""
 
 
 _READERS: dict[str, Callable[[Any], tuple[Any, str]]] = {
@@ -119,9 +103,7 @@ _READERS: dict[str, Callable[[Any], tuple[Any, str]]] = {
 """By table, the function from a row to its value and its fault, "" for none."""
 
 
-def _template(row: Any, kept: ImpactTemplates | Signal | None) -> ImpactTemplates | Signal:
-    if row.template == "KEPT":
-        return kept or ImpactTemplates.BY_MATERIAL
+def _template(row: Any) -> ImpactTemplates | Signal:
     if row.template == "DRAWN":
         return replace(read_drawing(row.drawing), loops=False).to_signal()
     if row.template != "FILE":

@@ -12,17 +12,15 @@ from ...core.scene.values import Settings, Vector
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
-from .imported import stored_item
 
 
 def setting_values(scene: Scene) -> tuple[Any, ...]:
     """All values that determine the settings, except the tables."""
-    haptics = scene.haptics
+    haptics: Any = scene.haptics
     names = (name for cls in (Settings, ContactSettings) for name in haptics.held[cls].values())
     time_scale = None if scene.rigidbody_world is None else scene.rigidbody_world.time_scale
     return (
         *(getattr(haptics, name) for name in names),
-        haptics.imported,
         *scene.gravity,
         scene.use_gravity,
         time_scale,
@@ -31,17 +29,15 @@ def setting_values(scene: Scene) -> tuple[Any, ...]:
 
 def read_settings(scene: Scene) -> Settings:
     """The propagation settings of a scene."""
-    return Settings(**read_values(Settings, scene.haptics, _stored(scene, "settings")))
+    return Settings(**read_values(Settings, scene.haptics))
 
 
 def read_contact_settings(scene: Scene, tables: Form) -> ContactSettings:
     """The settings of contacts and impacts of a scene with these tables, see
     `rules.read_tables`."""
-    values = read_values(ContactSettings, scene.haptics, _stored(scene, "rules"))
-    gravity = gravity_of(scene)
-    if gravity != tuple(map(shortest, values.get("gravity", ()))):
-        values["gravity"] = gravity
-    values["passing"] = tuple(sorted(_passing(scene) | {*values.get("passing", ())}))
+    values = read_values(ContactSettings, scene.haptics)
+    values["gravity"] = gravity_of(scene)
+    values["passing"] = tuple(sorted(_passing(scene)))
     if scene.rigidbody_world is not None:
         values["time_scale"] = max(shortest(scene.rigidbody_world.time_scale), 1e-3)
     return ContactSettings(**{**values, **tables})
@@ -66,10 +62,3 @@ def gravity_of(scene: Scene) -> Vector:
     metres = metres_per_unit(scene)
     x, y, z = (float(f"{shortest(value) * metres:.7g}") for value in scene.gravity)
     return x, y, z
-
-
-def _stored(scene: Scene, name: str) -> Form:
-    try:
-        return stored_item(scene.haptics.imported, name)
-    except ValueError:  # the reader reports it
-        return {}

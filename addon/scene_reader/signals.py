@@ -23,7 +23,7 @@ from ..blender.paths import local_path
 from ..blender.single_precision import shortest
 from ..properties.signal_kinds import PLAIN
 from .drawings import read_drawing
-from .imported import stored_item
+from .kept_signal import signal_of_text
 
 
 def read_signal(properties: Any, frequency: Automation | None = None) -> Signal:
@@ -41,7 +41,7 @@ def read_signal(properties: Any, frequency: Automation | None = None) -> Signal:
                 raise ValueError(iface_("its signal has no end: set a decay time"))
             return Keyed(Automation((0.0, 10.0 * phase), (1.0, -9.0)))
         case "SOUND":
-            kept = stored_item(properties.sound.kept, "source").get("signal")
+            kept = signal_of_text(properties.sound.kept)
             if kept is None:
                 raise ValueError(
                     iface_(

@@ -12,8 +12,7 @@ from ...core.contacts.settings import Body
 from ...core.contacts.surface_shape import SurfaceShape
 from ...core.contacts.tracker import STILL
 from ...core.frozen import frozen
-from ...core.scene.values import HapticObject, Listener, Pose, Source
-from .imported_contacts import FilePoses
+from ...core.scene.values import HapticObject, Listener, Source
 from .problem import Problem
 
 
@@ -27,7 +26,6 @@ class Tagged:
     object: HapticObject | None
     body: Body | None
     surface: SurfaceShape | None
-    home: Pose | None  # where a file put the body, as it is since
     source: Source | None
     listener: Listener | None
     problems: tuple[Problem, ...]
@@ -48,7 +46,6 @@ class TaggedLists:
         objects, bodies: the n haptic objects, and these for the tracker.
         hulls: shapes of the objects, by name, whose convex hull deviates from their surface.
         places: the k sources and listeners, without their positions in a frame.
-        file_poses: of the bodies in the file that they were imported from.
         problems: of all tagged objects.
     """
 
@@ -62,7 +59,6 @@ class TaggedLists:
     bodies: tuple[Body, ...]
     hulls: Mapping[str, SurfaceShape]
     places: tuple[Source | Listener, ...]
-    file_poses: FilePoses
     problems: tuple[Problem, ...]
 
     @classmethod
@@ -85,12 +81,6 @@ class TaggedLists:
         ]
         objects = tuple(item for _, item, _ in bodies)
         alone = tuple(body for _, _, body in bodies)
-        names = tuple(item.name for item in objects)
-        poses = tuple(tagged[k].home for k, _, _ in bodies)
-        same_poses = before is not None and (names, poses) == (
-            before.file_poses.names,
-            before.file_poses.poses,
-        )
         still = (
             before.still
             if before is not None and alone == before.bodies
@@ -107,9 +97,6 @@ class TaggedLists:
             bodies=alone,
             hulls=_hulls(tagged),
             places=tuple(item for _, item in places),
-            file_poses=before.file_poses
-            if before is not None and same_poses
-            else FilePoses.of(names, poses),
             problems=tuple(dict.fromkeys(problem for t in tagged for problem in t.problems)),
         )
 

@@ -16,7 +16,6 @@ from ..blender.compatibility import fcurves_of
 from ..blender.full_names import name_for, object_meant
 from ..blender.time import seconds_of, stretching
 from ..blender.units import metres_per_unit
-from .imported import stored_item
 from .problem import Problem
 
 PATH = "haptics.source.trigger"
@@ -31,10 +30,7 @@ def read_triggers(obj: Object, scene: Scene) -> tuple[tuple[Trigger, ...] | None
     if not source.one_shot:
         return None, []
     faults: list[tuple[str, str]] = []
-    triggers = [
-        *(stored_item(source.imported, "source").get("triggers") or ()),
-        *_of_property(obj, scene),
-    ]
+    triggers = [*_of_property(obj, scene, faults)]
     if source.trigger_hit:
         triggers.append(Trigger(TriggerKind.HIT))
     if source.trigger_markers:

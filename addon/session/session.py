@@ -408,7 +408,6 @@ def frame_of(
         bodies=reading.bodies,
         transforms=reading.transforms,
         continuous=continuous,
-        authored=reading.authored,
         restore=restore,
         exact=exact,
         duration=frame_seconds(scene),

@@ -140,7 +140,6 @@ def frame_of(
         bodies=(*reading.bodies, *(body for _, _, body, _ in hands)),
         transforms=np.concatenate([transforms, matrices]),
         continuous=continuous,
-        authored=reading.authored,
     )
 
 

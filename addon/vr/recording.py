@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 
-from bpy.types import Scene
+import bpy
+import numpy as np
+from bpy.types import Mesh, Object, Scene
 
-from ...core.formats.export import Export
-from ...core.formats.scene.recording import RecordedFrame, Recording
-from ...core.scene.values import HapticScene, Listener, Pose
-from ..blender.time import frame_seconds
-from ..io import scene_builder
+from ...core.contacts.shape_surface import surface
+from ...core.scene.values import Listener
+from ..blender.arrays import write_keys
+from ..blender.compatibility import ensure_fcurve
+from ..blender.units import metres_per_unit
+from ..io.property_writer import write_body, write_listener
 from .hands import NAMES, OBJECTS, PARTS, SHAPE, Grips
 
 
@@ -19,39 +21,42 @@ def add(scene: Scene, take: Mapping[int, Grips]) -> None:
     """Add the hands of a take to the scene: haptic objects of flesh with a listener each, and a key
     for each recorded frame of the timeline."""
     frames = sorted(take)
-    poses = {
-        number: {hand: Pose(*take[number][hand]) for hand in take[number]} for number in frames
-    }
-    first: dict[str, Pose] = {}
-    for number in frames:
-        first = poses[number] | first
-    names = {hand: name.rstrip("\0") for hand, name in NAMES.items() if hand in first}
-    hands = HapticScene(
-        objects=tuple(
-            replace(item, name=names[hand], shape=SHAPE, pose=first[hand])
-            for hand, item in zip(NAMES, OBJECTS, strict=True)
-            if hand in first
-        ),
-        listeners=tuple(
-            Listener(f"{name}, felt", name, first[hand].position, PARTS[hand], radius=0.1)
-            for hand, name in names.items()
-        ),
-    )
-    recorded = [
-        RecordedFrame(
-            number,
-            poses={
-                names[hand]: (*pose.position, *pose.rotation)
-                for hand, pose in poses[number].items()
-            },
-            listener_positions={
-                f"{names[hand]}, felt": pose.position for hand, pose in poses[number].items()
-            },
-        )
-        for number in frames
-    ]
-    if frames[-1] < scene.frame_end:  # so that the scene keeps its frames
-        recorded.append(RecordedFrame(scene.frame_end))
-    recording = Recording(1 / frame_seconds(scene), scene.frame_start, tuple(recorded))
-    export = Export(f"VR Hands {frames[0]}-{frames[-1]}", hands, recording=recording)
-    scene_builder.build(export, scene, settings=False)
+    collection = bpy.data.collections.new(f"VR Hands {frames[0]}-{frames[-1]}")
+    scene.collection.children.link(collection)
+    frame = scene.frame_current
+    for (hand, name), item in zip(NAMES.items(), OBJECTS, strict=True):
+        tracked = [number for number in frames if hand in take[number]]
+        if tracked:
+            obj = bpy.data.objects.new(name.rstrip("\0"), _mesh(name.rstrip("\0")))
+            collection.objects.link(obj)
+            obj.scale /= metres_per_unit(scene)
+            write_body(obj.haptics, item)
+            obj.haptics.surface = "SEEN"
+            felt = Listener(obj.name, obj.name, body_part=PARTS[hand], radius=0.1)
+            write_listener(obj.haptics.listener, felt)
+            _move(obj, tracked, [take[number][hand] for number in tracked])
+    scene.frame_set(frame)
+
+
+def _move(
+    obj: Object,
+    frames: Sequence[int],
+    grips: Sequence[tuple[tuple[float, float, float], tuple[float, float, float, float]]],
+) -> None:
+    """Key the grips of a hand at these frames."""
+    obj.rotation_mode = "QUATERNION"
+    places, rotations = (np.array(values) for values in zip(*grips, strict=True))
+    # The same rotations without changes of sign, between which Blender would turn the hand round.
+    flips = np.where((rotations[1:] * rotations[:-1]).sum(axis=1) < 0, -1.0, 1.0)
+    rotations[1:] *= np.cumprod(flips)[:, None]
+    for path, values in (("location", places * obj.scale.x), ("rotation_quaternion", rotations)):
+        for index, column in enumerate(values.T):
+            write_keys(ensure_fcurve(obj, path, index=index), frames, column)
+
+
+def _mesh(name: str) -> Mesh:
+    points, faces = surface(SHAPE)
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), [], faces)
+    mesh.validate()
+    return mesh

@@ -564,7 +564,7 @@ class Run:
                 for item in self._listed
                 if settled.issuperset(item.objects) or not shapeless.isdisjoint(item.objects)
             ]
-            self._authored = settled, AuthoredContacts.of(self._objects, settled, kept, {})
+            self._authored = settled, AuthoredContacts.of(self._objects, settled, kept)
         return self._authored[1]
 
 

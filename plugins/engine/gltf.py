@@ -14,7 +14,7 @@ import bpy
 from bpy.types import Object
 
 from ...addon.io.frame_scene import scene_of_frame
-from ...addon.io.property_writer import stored_text, write_body, write_listener, write_source
+from ...addon.io.property_writer import write_body, write_listener, write_source
 from ...core.formats.provenance import provenance_of
 from ...core.formats.scene.values_json import (
     item_to_dict,
@@ -190,8 +190,7 @@ def read_roles(obj: Object, form: JsonObject) -> None:
     }
     if "object" in items:
         write_body(obj.haptics, items["object"])
-        obj.haptics.imported = stored_text(items["object"], ("shape", "pose", "motion"))
     if "source" in items:
-        write_source(obj.haptics.source, items["source"], placed=False)
+        write_source(obj.haptics.source, items["source"])
     if "listener" in items:
-        write_listener(obj.haptics.listener, items["listener"], placed=False)
+        write_listener(obj.haptics.listener, items["listener"])

@@ -9,12 +9,11 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.io import frame_scene, scene_builder
+from haptic_tracing.addon.io import frame_scene
 from haptic_tracing.addon.panels.hints import of_units
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import doubtful_scale, overlay
 from haptic_tracing.addon.view.options import options_of
-from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.scene.scene_json import scene_to_dict
 from making_haptic import make_haptic
 
@@ -140,25 +139,6 @@ def test_a_scene_at_another_unit_scale_is_the_same(add_box, add_empty, scene):
         assert_same(first["impacts"], other["impacts"], "impacts", 1e-4)
         for key in ("contacts", "lengths", "file"):
             assert_same(first[key], other[key], key, 3e-6 if key == "file" else 2e-5)
-
-
-def test_a_file_is_imported_in_metres_and_written_again_as_it_was(add_box, add_empty, tmp_path):
-    """Into a scene at another scale: the objects are where Blender shows those metres, and stay
-    settled, so that the same numbers are written."""
-    modelled(1.0, add_box, add_empty)
-    written = frame_scene.current_scene(bpy.context)
-    height = bpy.context.scene.objects["hand"].matrix_world.translation.z
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    scene = bpy.context.scene
-    scene.unit_settings.scale_length = 0.01
-    scene_builder.build(Export("beam", written), scene)
-    bpy.context.view_layer.update()
-    assert scene.objects["hand"].matrix_world.translation.z == pytest.approx(100 * height)
-    assert scene.objects["hand"].dimensions.z == pytest.approx(8.0)
-    assert scene.gravity.z == pytest.approx(-981)
-    again = frame_scene.current_scene(bpy.context)
-    assert again.objects == written.objects and again.contacts == written.contacts
-    assert_same(scene_to_dict(written)["sources"], scene_to_dict(again)["sources"], "sources")
 
 
 def test_lengths_are_those_that_blender_shows(scene, add_box, traced):

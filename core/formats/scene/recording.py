@@ -146,20 +146,6 @@ class Recording:
         count = max(round(seconds * STILL_RATE), 1)
         return cls(count / seconds, 0, (RecordedFrame(0), RecordedFrame(count)))
 
-    def with_all(self, scene: HapticScene) -> HapticScene:
-        """The scene with every object and listener that appears, in its first state."""
-        objects = {
-            item.name: item for frame in reversed(self.frames) for item in reversed(frame.objects)
-        }
-        listeners = {
-            item.name: item for frame in reversed(self.frames) for item in reversed(frame.listeners)
-        }
-        return replace(
-            scene,
-            objects=tuple((objects | {item.name: item for item in scene.objects}).values()),
-            listeners=tuple((listeners | {item.name: item for item in scene.listeners}).values()),
-        )
-
     def time_of(self, frame: int) -> float:
         """The time of a frame [s]."""
         return (frame - self.frame_start) / self.frame_rate
@@ -186,41 +172,6 @@ def states(
         state.end_sources(recording.time_of(number) - 1 / recording.frame_rate, late())
         yield number, state.scene()
         number += 1
-
-
-def without_rubbing(
-    scene: HapticScene, recording: Recording | None
-) -> tuple[HapticScene, Recording | None]:
-    """A scene and its recording without the sources of sliding and rolling, because a run creates
-    them from the scene's rules."""
-    begun = (
-        [item for frame in recording.frames for item in frame.sources]
-        if recording is not None
-        else []
-    )
-    names = {item.name for item in (*scene.sources, *begun) if item.rubs}
-    if recording is not None and names:
-        frames = tuple(
-            replace(
-                frame,
-                sources=tuple(item for item in frame.sources if item.name not in names),
-                amplitudes={
-                    name: amplitude
-                    for name, amplitude in frame.amplitudes.items()
-                    if name not in names
-                },
-                source_positions={
-                    name: places
-                    for name, places in frame.source_positions.items()
-                    if name not in names
-                },
-            )
-            for frame in recording.frames
-        )
-        recording = replace(recording, frames=frames)
-    return replace(
-        scene, sources=tuple(item for item in scene.sources if item.name not in names)
-    ), recording
 
 
 def _is_over(source: Source, time: float) -> bool:

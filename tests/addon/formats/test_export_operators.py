@@ -18,7 +18,7 @@ from haptic_tracing.core.formats.scene.recording import states
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from mathutils import Quaternion
-from scene_files import exported, imported
+from scene_files import exported
 
 
 @pytest.fixture
@@ -69,13 +69,9 @@ def test_a_range_traced_again_by_the_core_gives_the_same_samples(shaken, tmp_pat
     assert bpy.context.scene.frame_current == 1
 
 
-@pytest.mark.parametrize("again", [False, True], ids=["made here", "imported"])
-def test_recorded_poses_are_those_of_blender(shaken, tmp_path, again):
+def test_recorded_poses_are_those_of_blender(shaken, tmp_path):
     """Of an object that moves, turns over, rests and moves again, beside others that rest."""
     path = tmp_path / "range.json"
-    if again:
-        exported(tmp_path / "still.json")
-        imported(tmp_path / "still.json")
     scene = bpy.context.scene
     crate = bpy.data.objects["crate"]
     for frame, turn, x in ((3, 0.0, -2.0), (6, 3.0, -1.5), (9, 3.0, -1.5), (12, 6.0, -1.0)):

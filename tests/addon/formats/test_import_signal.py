@@ -4,6 +4,7 @@ written."""
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.session import sessions
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io import catalogue
@@ -89,6 +90,22 @@ def test_an_empty_needs_something_to_shake(files, add_empty):
         bpy.ops.haptic.import_signal(filepath=str(files[".wav"]))
 
 
+def test_damaged_text_in_a_strangers_file_is_a_problem_in_words(active, traced):
+    active.haptics.enabled = active.haptics.source.enabled = True
+    active.haptics.source.signal = "KEPT"
+    for text in ("{", '{"signal": "sine", "frequency": -1}', "[" * 5000):
+        active.haptics.source.kept = text
+        assert traced().sources == ()
+        (problem,) = sessions.shown_problems(bpy.context.scene)
+        assert "its kept signal is damaged: import the file again" in problem.message
+
+
+def test_a_dropped_scene_is_answered_in_a_sentence(tmp_path):
+    before = len(bpy.data.objects)
+    assert bpy.ops.haptic.drop_scene(filepath=str(tmp_path / "a.json")) == {"CANCELLED"}
+    assert len(bpy.data.objects) == before
+
+
 def test_files_that_can_be_dropped():
     """Blender asks file handlers what to do with a file; in the background it can be asked which
     there are."""
@@ -98,7 +115,7 @@ def test_files_that_can_be_dropped():
     )
     assert sound.bl_import_operator == "haptic.import_sound"
     assert {".wav", ".flac", ".mp3", ".ogg"} == set(sound.bl_file_extensions.split(";"))
-    assert scene.bl_import_operator == "import_scene.haptic_scene" and {".json", ".gz"} == set(
+    assert scene.bl_import_operator == "haptic.drop_scene" and {".json", ".gz"} == set(
         scene.bl_file_extensions.split(";")
     )
     assert tracks.bl_import_operator == "haptic.import_signal" and set(catalogue.readers()) == set(

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 from haptic_tracing.addon.properties.actuators import choice_of, places_of
-from haptic_tracing.addon.scene_reader import imported, kept_impacts
+from haptic_tracing.addon.scene_reader import kept_impacts, kept_signal
 from haptic_tracing.command_line import build_parser, main, part_file
 from haptic_tracing.command_line.serve.conversation import Conversation
 from haptic_tracing.command_line.sweep import study
@@ -219,40 +219,7 @@ def talk_to_server(content: bytes, folder: Path) -> bool:
 
 
 STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = {
-    "object": (
-        partial(imported.stored_item, name="object"),
-        (
-            {"mass": 1.5, "numbers": {"kappa": 0.1}, "extras": {"a": [1]}, "emitters": {"thermal": [0, 0, 1]}},
-            {
-                "shape": {"type": "compound", "children": [{"type": "box", "size": [1, 1, 1]}, {"type": "sphere", "radius": 1}]},
-                "pose": {"position": [0, 0, 0], "rotation": [1, 0, 0, 0]},
-            },
-            {"function": {"function": "expression", "expression": "exp(-d)"}},
-        ),
-    ),
-    "source": (
-        partial(imported.stored_item, name="source"),
-        ({"signal": {"signal": "sine", "frequency": 60}, "onset": 0.5, "position": [0, 0, 0]},),
-    ),
-    "listener": (partial(imported.stored_item, name="listener"), ({"position": [0, 1, 2], "numbers": {"gain": 0.1}},)),
-    "scene": (
-        partial(imported.stored_item, name="settings"),
-        ({"tolerance": 1e-3, "numbers": {"epsilon": 0.1}}, {"settings": {"epsilon": 0.1}}),
-    ),
-    "rule": (
-        partial(imported.stored_item, name="impact_rule"),
-        ({"signal": {"signal": "noise"}, "numbers": {"bend": 2, "least_energy": 3}},),
-    ),
-    "device": (partial(imported.stored, kind="device"), ({"profile": "dualsense", "extras": {}},)),
-    "contacts": (
-        imported.file_contacts,
-        (
-            {
-                "contacts": [{"objects": ["a", "b"], "positions": [[0, 0, 0], [0, 0, 0]], "normal": [0, 0, 1]}],
-                "tolerance": 0.005,
-            },
-        ),
-    ),
+    "signal": (kept_signal.signal_of_text, ({"signal": "sine", "frequency": 60},)),
     "impacts": (
         partial(kept_impacts.impacts_from_text, frame=3, names=("a", "b"), motion="m"),
         (

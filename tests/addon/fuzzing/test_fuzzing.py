@@ -6,7 +6,6 @@ from __future__ import annotations
 import random
 import warnings
 from collections import Counter
-from functools import partial
 
 import pytest
 
@@ -40,4 +39,4 @@ def test_inputs_good_and_changed_are_read_or_refused_in_one_message(tmp_path, na
 def test_what_is_changed_is_good(kind, text):
     reader = STORED[kind][0]
     read = reader(text)
-    assert read is not None and read != (partial(reader)("{}") if kind != "impacts" else None)
+    assert read is not None

@@ -2,7 +2,6 @@
 against the formulas."""
 
 import importlib.util
-import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -171,36 +170,6 @@ def test_the_scene_file_carries_it(two_sources):
     assert box["signal"]["of"][1] == {"signal": "decay", "time_constant": 3.0}
     again = scene_from_dict(document, "scene.json")
     assert scene_to_dict(again) == document
-
-
-def test_an_imported_file_has_it_in_the_panels_again(two_sources, tmp_path):
-    listener, source = (
-        bpy.data.objects["left"].haptics.listener,
-        bpy.data.objects["box"].haptics.source,
-    )
-    listener.mixing, listener.mixing_expression, listener.limiter, source.decay = (
-        "custom",
-        "0.5 * sum",
-        True,
-        3.0,
-    )
-    two_sources.frame_set(2)
-    files = [tmp_path / "a.json", tmp_path / "b.json"]
-    assert bpy.ops.export_scene.haptic_scene(filepath=str(files[0])) == {"FINISHED"}
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert bpy.ops.import_scene.haptic_scene(filepath=str(files[0])) == {"FINISHED"}
-    listener = bpy.data.objects["left"].haptics.listener
-    assert (listener.mixing, listener.mixing_expression, listener.limiter) == (
-        "custom",
-        "0.5 * sum",
-        True,
-    )
-    source = bpy.data.objects["box"].haptics.source
-    assert (source.signal, source.frequency, source.decay) == ("SINE", 150.0, 3.0)
-    assert bpy.data.objects["second"].haptics.source.decay == 0.0
-    assert bpy.ops.export_scene.haptic_scene(filepath=str(files[1])) == {"FINISHED"}
-    again, before = (json.loads(file.read_text()) for file in files)
-    assert again["sources"] == before["sources"] and again["listeners"] == before["listeners"]
 
 
 def test_a_wrong_formula_is_said_and_the_others_go_on_feeling(two_sources):

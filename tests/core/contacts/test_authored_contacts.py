@@ -5,7 +5,7 @@ from haptic_tracing.core.contacts.authored import AuthoredContacts
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.settings import Body
 from haptic_tracing.core.contacts.shapes import Box
-from haptic_tracing.core.scene.functions import Constant, Identity, function_from_dict
+from haptic_tracing.core.scene.functions import Constant, function_from_dict
 from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Settings, Source
 from haptic_tracing.core.tracer import Frame, Tracer
 
@@ -24,26 +24,20 @@ def test_between_settled_objects_only_the_authored_count():
     found = contacts(contact("a", "b", 1.0), contact("b", "c", 2.0))
     given = contact("a", "b", 5.0, area=0.25, depth=-0.001, transmission=Constant(gain_value=0.5))
     elsewhere = contact("a", "gone")
-    assert AuthoredContacts.of("abc", "ab", (given, elsewhere), {}).over(found).to_contacts(
-        "abc"
-    ) == (contact("b", "c", 2.0), given)
-    assert AuthoredContacts.of("abc", "ab", (), {}).over(found).to_contacts("abc") == (
+    assert AuthoredContacts.of("abc", "ab", (given, elsewhere)).over(found).to_contacts("abc") == (
+        contact("b", "c", 2.0),
+        given,
+    )
+    assert AuthoredContacts.of("abc", "ab", ()).over(found).to_contacts("abc") == (
         contact("b", "c", 2.0),
     )
-    assert AuthoredContacts.of("abc", "a", (), {}).over(found).to_contacts(
+    assert AuthoredContacts.of("abc", "a", ()).over(found).to_contacts("abc") == found.to_contacts(
         "abc"
-    ) == found.to_contacts("abc")
-
-
-def test_functions_belong_to_pairs_wherever_they_touch():
-    found = contacts(contact("b", "a", 1.0), contact("b", "c", 2.0), contact("a", "b", 3.0))
-    half = Constant(gain_value=0.5)
-    merged = AuthoredContacts.of("cba", (), (), {("a", "b"): half, ("a", "gone"): half}).over(found)
-    assert [item.transmission for item in merged.to_contacts("abc")] == [half, Identity(), half]
+    )
 
 
 def test_nothing_found_and_nothing_authored():
-    merged = AuthoredContacts.of("abc", "abc", (), {}).over(ContactSet.empty())
+    merged = AuthoredContacts.of("abc", "abc", ()).over(ContactSet.empty())
     assert len(merged) == 0 and merged.positions.shape == (0, 2, 3)
 
 
@@ -61,8 +55,9 @@ def test_a_tracer_follows_what_is_authored_from_frame_to_frame():
     dull = function_from_dict(
         {"function": "constant", "gain": 0.5, "band_gains": [1, 1, 1, 0.5, 0.25, 0]}
     )
-    functions = AuthoredContacts.of(("low", "top"), (), (), {("low", "top"): dull})
-    nothing = AuthoredContacts.of(("low", "top"), ("low", "top"), (), {})
+    given = contact("low", "top", transmission=dull)
+    functions = AuthoredContacts.of(("low", "top"), ("low", "top"), (given,))
+    nothing = AuthoredContacts.of(("low", "top"), ("low", "top"), ())
     for lazy in (False, True):
         tracer = Tracer(lazy=lazy)
         for number, (authored, expected) in enumerate(
