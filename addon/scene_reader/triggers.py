@@ -30,7 +30,7 @@ def read_triggers(obj: Object, scene: Scene) -> tuple[tuple[Trigger, ...] | None
     if not source.one_shot:
         return None, []
     faults: list[tuple[str, str]] = []
-    triggers = [*_of_property(obj, scene, faults)]
+    triggers = [*_of_property(obj, scene)]
     if source.trigger_hit:
         triggers.append(Trigger(TriggerKind.HIT))
     if source.trigger_markers:
