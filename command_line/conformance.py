@@ -6,7 +6,9 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import time
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from ..core.formats.io.error import FormatError
 from ..core.formats.io.strict_json import read_json
-from ..core.forms import Form
+from ..core.forms import Form, JsonObject
 from . import answer
 
 FOLDER = Path(__file__).parents[1] / "conformance"
@@ -57,7 +59,8 @@ def conversation(file: Path) -> Form:
         raise FormatError(file, "/exchange", "is required: a list of messages and answers")
     for number, one in enumerate(exchange):
         sent = one.get("send") if isinstance(one, dict) else None
-        if not isinstance(sent, dict) or "type" not in sent:
+        messages = sent if isinstance(sent, list) and sent else [sent]
+        if not all(isinstance(message, dict) and "type" in message for message in messages):
             raise FormatError(
                 file, f"/exchange/{number}/send", "is required: a message with its type"
             )
@@ -68,7 +71,12 @@ def differences(document: Form, client: ClientConnection, token: str | None) -> 
     """Where the answers of a server to a conversation are not as expected, one sentence each."""
     tolerances = TOLERANCES | document.get("tolerances", {})
     for number, one in enumerate(document["exchange"]):
-        sent, expected = dict(one["send"]), one.get("expect", {})
+        expected = one.get("expect", {})
+        if isinstance(one["send"], list):
+            for where, what in _differences(_flooded(client, one), expected, tolerances):
+                yield f"messages {number}: {where}: {what}"
+            continue
+        sent = dict(one["send"])
         if token is not None and sent["type"] == "hello":
             sent["token"] = token
         client.send(json.dumps(sent))
@@ -77,6 +85,30 @@ def differences(document: Form, client: ClientConnection, token: str | None) -> 
         answer = json.loads(client.recv(timeout=_PATIENCE))
         for where, what in _differences(answer, expected, tolerances):
             yield f"message {number} ({sent['type']}): {where}: {what}"
+
+
+def _flooded(client: ClientConnection, one: Form) -> Form:
+    """The last of the frames that answer steps which are sent without waiting, and read after a
+    ``pause`` [s]: with the impacts and samples of all, and the ids that are answered, dropped ones
+    among them."""
+    for message in one["send"]:
+        client.send(json.dumps(message))
+    time.sleep(one.get("pause", 0.0))
+    frame: JsonObject = {"answers": []}
+    impacts: list[Form] = []
+    samples: list[tuple[int, int]] = []
+    answered: list[Any] = []
+    while one["send"][-1]["id"] not in frame["answers"]:
+        frame = json.loads(client.recv(timeout=_PATIENCE))
+        if frame["type"] != "frame":
+            return frame
+        for part in (*frame.get("dropped", ()), frame):
+            answered += part["answers"]
+            samples.append((part["first_sample"], part["n"]))
+        impacts += frame["impacts"]
+    follow = all(a + n == b for (a, n), (b, _) in pairwise(samples))
+    n = sum(count for _, count in samples) if follow else "samples with gaps"
+    return {**frame, "answers": answered, "impacts": impacts, "n": n}
 
 
 def _differences(

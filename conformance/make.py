@@ -264,7 +264,7 @@ def impact_of_the_engine():
         }
     ]
     return [
-        hello(floor_and_crate(sources=[])),
+        hello(floor_and_crate(sources=[], rules={"least_energy": 5, "full_energy": 100})),
         *steps(31),
         {
             "send": {"type": "step", "time": 0.62, "impacts": [hit]},
@@ -351,6 +351,114 @@ def back_in_time():
     return [hello(floor_and_crate()), *falling, landed]
 
 
+def flooding():
+    """An engine that sends by its clock: 240 steps at once, in which a crate falls once and is
+    lifted. Each is answered or named, and the blow arrives, once."""
+    return [hello(floor_and_crate()), _flood(0.0)]
+
+
+def slow_client():
+    """An engine that reads nothing for a second: nothing is lost with the frames that it missed."""
+    return [hello(floor_and_crate()), _flood(1.0)]
+
+
+def _flood(pause):
+    """Steps for 4 s at 60 a second, with a fall of 1 m that begins at 1 s."""
+    messages, height = [], 1.0
+    for k in range(240):
+        time = k / 60
+        fallen = G / 2 * max(time - 1, 0.0) ** 2
+        z = 0.5 + max(height - fallen, 0.0) + max(time - 3, 0.0)
+        step = {"type": "step", "id": k, "time": time, "poses": {"crate": [0, 0, z, *STILL]}}
+        messages.append(step)
+    blow = {
+        "time": 1 + math.sqrt(2 * height / G),
+        "objects": ["ground", "crate"],
+        "energy": 5 * G * height,
+    }
+    expected = {
+        "type": "frame",
+        "id": 239,
+        "answers": list(range(240)),
+        "impacts": [blow],
+        "n": math.floor(239 / 60 * 8000 + 0.5),
+        "levels": {"hand": {"gains": {"drill": 0.0}}},
+    }
+    return {"send": messages, "pause": pause, "expect": expected}
+
+
+def hitching():
+    """A crate that comes down at 1.5 m/s, and an engine that stands still: over 0.2 s a blow has
+    the mean speed between both poses, 3.5 m/s here; over more than 0.25 s nothing strikes."""
+    exchange = [hello(floor_and_crate(sources=[]))]
+    speed, pause = 1.5, 0.2
+    for begun, gap, struck in ((0.0, 0.2, True), (10.0, 0.26, False)):
+        exchange += [
+            {"send": _at(begun + k / RATE, 1.5 - speed * k / RATE)}
+            for k in range(round(pause * RATE) + 1)
+        ]
+        way = 1.0 - speed * pause
+        blow = {
+            "time": begun + pause + gap,
+            "objects": ["ground", "crate"],
+            "energy": 5 / 2 * (way / gap) ** 2,
+        }
+        expected = {"type": "frame", "impacts": [blow] if struck else []}
+        exchange.append({"send": _at(begun + pause + gap, 0.5), "expect": expected})
+    return exchange
+
+
+def _at(time, height):
+    return {"type": "step", "time": time, "poses": {"crate": [0, 0, height, *STILL]}}
+
+
+def mixed():
+    """Objects with and without shapes in one scene: what the engine reports of both, listed
+    contacts, a body that loses its shape, and clocks that show Unix time."""
+    post = item("post", pose={"position": [9, 0, 0]})
+    crate = box("crate", [1, 1, 1], [0, 0, 0.5], mass=5)
+    contact = {
+        "objects": ["post", "ground"],
+        "positions": [[9, 0, 0]] * 2,
+        "transmission": {"function": "constant", "gain": 0.5},
+    }
+    scene = floor_and_crate(
+        contacts=[contact],
+        listeners=[{"name": "hand", "object": "post", "position": [9, 0, 1], "gain": 2}],
+    )
+    scene["objects"].insert(0, post)
+    gain = math.exp(-ALPHA * (6 + 1)) * 0.5
+    now = 1.7e9
+    hit = {"objects": ["crate", "post"], "position": [9, 0, 3], "energy": 50.0, "time": now + 2}
+    felt_blow = {
+        "objects": ["crate", "post"],
+        "energy": 50.0,
+        "gains": {"hand": math.exp(-ALPHA * 2)},
+    }
+    shapeless = {key: value for key, value in crate.items() if key not in ("shape", "pose")}
+    return [
+        hello(scene),
+        *[{"send": {"type": "step", "time": now + k / 64}} for k in range(60)],
+        {
+            "send": {"type": "step", "time": now + 60 / 64},
+            "expect": {"type": "frame", **felt(gain)},
+        },
+        {
+            "send": {"type": "step", "time": now + 61 / 64, "impacts": [hit]},
+            "expect": {"type": "frame", "impacts": [felt_blow]},
+        },
+        {"send": {"type": "replace", "object": shapeless}, "expect": {"type": "scene"}},
+        {
+            "send": {"type": "step", "time": now + 62 / 64},
+            "expect": {
+                "type": "frame",
+                "levels": {"hand": {"gains": {"drill": gain}}},
+                "impacts": [],
+            },
+        },
+    ]
+
+
 def mistakes():
     def wrong(message, where):
         return {"send": message, "expect": {"type": "error", "where": where}}
@@ -384,6 +492,10 @@ FILES = (
     set_elsewhere,
     one_shot,
     back_in_time,
+    flooding,
+    slow_client,
+    hitching,
+    mixed,
     mistakes,
 )
 

@@ -21,7 +21,7 @@ class Spoken:
         self._conversation, self._answers = Conversation(None, None), []
 
     def send(self, text):
-        self._answers = [text_of(answer) for answer in self._conversation.answer(text)]
+        self._answers += [text_of(answer) for answer in self._conversation.answer(text)]
 
     def recv(self, timeout):
         return self._answers.pop(0)
