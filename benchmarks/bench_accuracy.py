@@ -1,15 +1,14 @@
-"""What accuracy costs with the default strategy: level errors in decibels against run time, one
-setting varied at a time.
+"""What accuracy costs with the default strategy: level errors in decibels against run time.
 
     python -m benchmarks.bench_accuracy [--bodies 30 100 300 1000 3000 10000] [--no-blender]
 
 **Propagation.** Boxes of five materials in a pile on soil, measured and in bands, with contacts by
-impedance; two sources with tones, two with impact templates, ten listeners. The most exact setting
-has no limits and takes the best path in each of the six frequency bands by itself. A level is that
-of the amplitude that arrives from one source at one listener [dB of full scale]; what is below the
-lowest threshold of feeling counts as if it were at the threshold, so a listener that a limit cuts
-away has the error by which it would have been felt. Times are those of graph and propagation
-together, best of some runs, relative to the default settings of the same pile, measured in turns.
+impedance; two sources with tones, two with impact templates, ten listeners. The most exact way
+takes the best path in each of the six frequency bands by itself; compared are the default, which
+takes that of the band in which a source is strong, and one path for all sources. A level is that of
+the amplitude that arrives from one source at one listener [dB of full scale]; what is below the
+lowest threshold of feeling counts as if it were at the threshold. Times are those of graph and
+propagation together, best of some runs, measured in turns.
 
 **Time.** Spheres that Blender drops from 0.3 to 2.5 m, against the energies m g h of free fall, and
 a vibrating sled that passes a listener at 3 m/s, against the gain at every instant in closed form;
@@ -23,7 +22,6 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
@@ -37,19 +35,16 @@ from haptic_tracing.core.render.arrival import arriving
 from haptic_tracing.core.scene.bands import BAND_CENTRES
 from haptic_tracing.core.scene.functions import Impedance
 from haptic_tracing.core.scene.measured import physical
-from haptic_tracing.core.scene.values import Extent, Settings, Strategy
+from haptic_tracing.core.scene.values import Settings
 from haptic_tracing.core.signals import Sine, impact_template
 
-from .families import Family, pile, traced
+from .families import Family, pile
 from .report import publish, table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BODIES = (30, 100, 300, 1000, 3000, 10_000)
-FREE = Settings(strategy=Strategy.BEST_PATH, max_connections=None, threshold=0.0)
-THRESHOLDS = (0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 1e-4, 1e-6, 0.0)
-CONNECTIONS = (1, 3, 5, 7, 9, 17, 32, None)
 SIGNALS = (
     Sine(60.0),
     impact_template("stone", "soil"),
@@ -58,10 +53,6 @@ SIGNALS = (
 )
 MATERIALS = ("softwood", "stone", "rubber", "plastic", "steel")
 RADIUS = 0.1
-POINTS = 1000
-"""Points of a listener's volume over which its mean power is taken as exact."""
-MOST_SUMMED = 300
-"""Largest pile in which paths are summed, which takes seconds."""
 DRAWN = 1e-3
 """Error [dB] as which smaller ones are drawn."""
 LEAST = 0.2
@@ -151,7 +142,7 @@ def exact_arrivals(family: Family) -> FloatArray:
         tuple(replace(item, signal=Sine(frequency)) for item in family.sources)
         for frequency in BAND_CENTRES
     ]
-    found = [propagate(replace(family, sources=sources).graph(), FREE) for sources in tones]
+    found = [propagate(replace(family, sources=sources).graph(), Settings()) for sources in tones]
     assert all(item.band_gain is not None for item in found)
     bands = np.stack(
         [item.band_gain[..., k] for k, item in enumerate(found) if item.band_gain is not None],
@@ -175,25 +166,15 @@ def ways(family: Family) -> Iterator[Way]:
     def way(
         dial: str,
         setting: str,
-        chosen: Settings,
         prepared: Callable[[HapticGraph], HapticGraph] = lambda graph: graph,
     ) -> Way:
-        return Way(dial, setting, lambda: propagate(prepared(family.graph()), chosen))
+        return Way(dial, setting, lambda: propagate(prepared(family.graph()), Settings()))
 
     def without_bands(graph: HapticGraph) -> HapticGraph:
         return replace(graph, sources=tuple(replace(source, band=0) for source in graph.sources))
 
-    yield way("default", "", Settings())
-    for threshold in THRESHOLDS:
-        yield way("threshold", f"{threshold:g}", Settings(threshold=threshold))
-    for count in CONNECTIONS:
-        yield way(
-            "connections",
-            str(count or "any"),
-            Settings(strategy=Strategy.BEST_PATH, max_connections=count),
-        )
-    yield way("bands", "one path for all", Settings(), without_bands)
-    yield way("strategy", "energy_balance", Settings(strategy=Strategy.ENERGY_BALANCE))
+    yield way("default", "")
+    yield way("bands", "one path for all", without_bands)
 
 
 def propagation_points(count: int, least: float = LEAST) -> list[Point]:
@@ -202,15 +183,6 @@ def propagation_points(count: int, least: float = LEAST) -> list[Point]:
     chosen = list(ways(family))
     seconds = in_turns([way.compute for way in chosen], least)
     exact = levels(exact_arrivals(family))
-    if count <= MOST_SUMMED:
-        chosen.append(
-            Way(
-                "strategy",
-                "all_paths",
-                lambda: propagate(family.graph(), Settings(strategy=Strategy.ALL_PATHS)),
-            )
-        )
-        seconds += in_turns([chosen[-1].compute], least)
     return [
         Point.of(
             count,
@@ -223,49 +195,7 @@ def propagation_points(count: int, least: float = LEAST) -> list[Point]:
     ]
 
 
-def extent_points(count: int, least: float = LEAST) -> list[Point]:
-    """Listeners with a volume, against the mean power at random points of it."""
-    family = measured_pile(count)
-    chosen = [
-        replace(family, listeners=tuple(replace(item, extent=extent) for item in family.listeners))
-        for extent in Extent
-    ]
-    seconds = in_turns([partial(traced, one, Settings()) for one in (family, *chosen)], least)
-    random = np.random.default_rng(6)
-    away = random.normal(size=(POINTS, 3))
-    away *= (
-        RADIUS * random.uniform(size=(POINTS, 1)) ** (1 / 3) / np.linalg.norm(away, axis=1)[:, None]
-    )
-    points = tuple(
-        replace(item, name=f"{item.name} {number:04d}", radius=0.0).moved(
-            np.array(item.position) + offset
-        )
-        for item in family.listeners
-        for number, offset in enumerate(away)
-    )
-    everywhere = replace(family, listeners=points)
-    gains = arriving(family.sources, propagate(everywhere.graph(), Settings())).reshape(
-        len(family.sources), -1, POINTS
-    )
-    exact = levels(np.sqrt((gains**2).mean(axis=-1)))
-    return [
-        Point.of(
-            count,
-            "extent",
-            str(extent),
-            (used, seconds[0]),
-            levels(arriving(one.sources, traced(one, Settings()))) - exact,
-        )
-        for extent, one, used in zip(Extent, chosen, seconds[1:], strict=True)
-    ]
-
-
-DIALS = {
-    "threshold": ("#1f5fa8", "o-"),
-    "connections": ("#b3261e", "s-"),
-    "bands": ("#b08900", "D"),
-    "extent": ("#1a6b3c", "^"),
-}
+DIALS = {"default": ("#1f5fa8", "o"), "bands": ("#b08900", "D")}
 
 
 def draw(points: Sequence[Point], times: Sequence[FrameRow]) -> Figure:
@@ -289,7 +219,7 @@ def draw(points: Sequence[Point], times: Sequence[FrameRow]) -> Figure:
                     markersize=5,
                 )
             for point in own:
-                if point.rms > 0.02 or dial == "extent":
+                if point.rms > 0.02:
                     place = point.ratio, max(point.rms, DRAWN)
                     axis.annotate(
                         point.setting,
@@ -312,7 +242,6 @@ def draw(points: Sequence[Point], times: Sequence[FrameRow]) -> Figure:
         ("default", "", "black"),
         ("threshold", "0", "#1f5fa8"),
         ("threshold", "0.01", "#7fb0e0"),
-        ("strategy", "energy_balance", "#b08900"),
     ):
         own = [point for point in points if (point.dial, point.setting) == (dial, setting)]
         axes[2].plot(
@@ -391,8 +320,7 @@ def text_of(points: Sequence[Point], times: Sequence[FrameRow]) -> str:
     default = [f"{point.milliseconds:.2f} ms" for point in points if point.dial == "default"]
     text = (
         "Errors of levels in dB: root mean square (largest), and run time relative to the "
-        "default. *strategy*: not errors, but how far\n"
-        "levels of another quantity are from those of the best paths.\n\n"
+        "default.\n\n"
         + table(
             ("bodies", *(f"{count:,}" for count in counts)),
             [*rows, ("run time of the default", *default)],
@@ -435,7 +363,6 @@ def main() -> None:
     parser.add_argument("--no-blender", action="store_true")
     chosen = parser.parse_args()
     points = [point for count in chosen.bodies for point in propagation_points(count)]
-    points += [point for count in chosen.bodies if count <= 1000 for point in extent_points(count)]
     times: list[FrameRow] = []
     if not chosen.no_blender:
         from .timelines import frame_row

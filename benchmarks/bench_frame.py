@@ -145,7 +145,7 @@ def run(
     frames: int = 200,
     passes: int = PASSES,
     shape: str = "BOX",
-    strategy: str = "auto",
+    strategy: str = "best_path",
     impacts: bool = True,
 ) -> list[Row]:
     """Print the table; its rows."""
@@ -209,8 +209,8 @@ def main() -> None:
     parser.add_argument("--shape", default="BOX")
     parser.add_argument(
         "--strategy",
-        choices=("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance"),
-        default="auto",
+        choices=("best_path", "as_in_the_paper"),
+        default="best_path",
     )
     parser.add_argument("--impacts", action=argparse.BooleanOptionalAction, default=True)
     options = parser.parse_args()

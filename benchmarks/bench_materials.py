@@ -47,7 +47,7 @@ def measure(
     worked = np.full((1 + len(KINDS), frames), np.inf)
     traced: list[Traced] = []
     for _ in range(passes):
-        scene = bodies, "BOX", False, "auto", impacts
+        scene = bodies, "BOX", False, "best_path", impacts
         blenders = [
             Blender(False, frames, *scene),
             *(Blender(True, frames, *scene, kind.materials) for kind in KINDS),

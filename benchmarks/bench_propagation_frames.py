@@ -24,7 +24,7 @@ from .families import Family
 from .frames import falling_boxes
 from .report import milliseconds, publish, table
 
-STRATEGIES = (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE)
+STRATEGIES = tuple(Strategy)
 REPEATED = 3
 """Times that each frame is computed."""
 

@@ -56,10 +56,10 @@ def _measure(name: str, more: list[str], folder: Path) -> None:
 
     def sweep(variants: int, workers: int) -> tuple[float, float, str]:
         study = folder / f"{name}{variants}.toml"
-        thresholds = [number / 1000 for number in range(variants)]
+        energies = [number / 1000 for number in range(variants)]
         study.write_text(
             f"scenes = ['{blend.name}']\nframes = [1, "
-            f"{SHORT}]\n[settings]\n'scene.haptics.threshold' = {thresholds}\n"
+            f"{SHORT}]\n[settings]\n'scene.haptics.minimum_energy' = {energies}\n"
         )
         return _cost("sweep", study, "--workers", workers, "--out", folder / str(workers))
 

@@ -73,7 +73,7 @@ def _family(
             for k, o in enumerate(sources)
         ),
         tuple(
-            Listener(f"listener {k:03d}", _name(o), tuple(places[o].tolist()))
+            Listener(f"listener {k:03d}", _name(o), tuple(places[o].tolist()), radius=0.0)
             for k, o in enumerate(listeners)
         ),
     )

@@ -38,7 +38,7 @@ def explicit_connections(graph: HapticGraph) -> tuple[np.ndarray, np.ndarray, np
     first = np.flatnonzero(graph.partner > np.arange(graph.node_count))
     ends_a.append(first)
     ends_b.append(graph.partner[first])
-    costs.append(graph.transmission_loss[graph.contact[first]])
+    costs.append(graph.crossing_costs()[first])
     return np.concatenate(ends_a), np.concatenate(ends_b), np.maximum(np.concatenate(costs), FREE)
 
 
@@ -133,7 +133,7 @@ def enumerate_paths(
             ]
         )
     partner, contact = graph.partner.tolist(), graph.contact.tolist()
-    through = [graph.transmission[number] if number >= 0 else 0.0 for number in contact]
+    through = np.exp(-graph.crossing_costs()).tolist()
     listener = {node: column for column, node in enumerate(graph.listener_nodes.tolist())}
     sums = [0.0] * len(listener)
     most = math.inf if max_connections is None else max_connections

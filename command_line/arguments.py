@@ -45,9 +45,10 @@ def _flag(parser: Options, name: str, about: str) -> None:
 
 def _propagate(parser: Parser) -> None:
     _add_scene(parser)
-    strategies = ("auto", "as_in_the_paper", "best_path", "all_paths", "energy_balance")
     parser.add_argument(
-        "--strategy", choices=strategies, help="how gains are computed (the scene's)"
+        "--strategy",
+        choices=("best_path", "as_in_the_paper"),
+        help="how gains are computed (the scene's)",
     )
     parser.add_argument(
         "--mode",
@@ -58,7 +59,7 @@ def _propagate(parser: Parser) -> None:
         parser,
         "--max-connections",
         "N|none",
-        "most connections on a path (the scene's)",
+        "as in the paper: most connections on a path (the scene's)",
         type=_connections,
         default=argparse.SUPPRESS,
     )
@@ -66,15 +67,8 @@ def _propagate(parser: Parser) -> None:
         parser,
         "--threshold",
         "X",
-        "a path ends where its gain falls below; 0: no limit (the scene's)",
+        "as in the paper: a path ends where its gain falls below; 0: no limit (the scene's)",
         type=_share,
-    )
-    _add(
-        parser,
-        "--tolerance",
-        "X",
-        "relative error of a sum that is too large to be exact (0.01)",
-        type=_not_negative,
     )
     _flag(
         parser, "--felt", "also which sources each listener feels, and which are masked by others"
@@ -232,7 +226,7 @@ def _export(parser: Parser) -> None:
         blend,
         "--set",
         "PATH=VALUE",
-        'a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.threshold=0',
+        'a property, such as objects["Bench"].haptics.kappa=0.2 or scene.haptics.minimum_energy=1',
         action="append",
         default=[],
     )

@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
     say(f"{args.scene}: {words}" for words in doubts(scene.content))
     chosen = {
         key: value
-        for key in ("strategy", "mode", "threshold", "tolerance")
+        for key in ("strategy", "mode", "threshold")
         if (value := getattr(args, key)) is not None
     }
     if "max_connections" in args:  # none is a value
@@ -110,38 +110,29 @@ def report(
     """The printed object, with all pairs. ``gain`` includes the source's amplitude, ``path_gain``
     does not; ``level`` [dB of full scale] is the RMS of the first second that the listener would be
     played of this source alone, None for silence. Band gains (in the order of `core.scene.bands`),
-    the delay of the best path [s] and (delay, gain) of the strongest paths if the scene uses them;
-    these gains include the amplitude."""
+    and the delay of the best path [s] if the scene uses them; these gains include the amplitude."""
     pairs = []
     played = levels_alone(scene.sources, scene.listeners, result)
     gains = signal_gains(scene.sources, result).tolist()
     for row, source in enumerate(graph.sources):
         for column, listener in enumerate(scene.listeners):
-            paths = int(result.paths[row, column])
             pair: JsonObject = {
                 "source": source.name,
                 "listener": listener.name,
                 "gain": source.amplitude * gains[row][column],
                 "path_gain": gains[row][column],
                 "level": level if (level := float(played[row, column])) > -math.inf else None,
-                "error_bound": source.amplitude * bound
-                if (bound := float(result.error_bound[row, column])) < math.inf
-                else None,
                 "limited": bool(result.limited[row, column]),
                 "silenced": bool(result.silenced[row, column])
                 or source.amplitude == 0
                 or listener.gain == 0,
-                "paths": None if paths < 0 else paths,
+                "paths": int(result.paths[row, column]),
                 "path": list(objects_on(graph, result.best_path.get((row, column), ()))),
             }
             if result.band_gain is not None:
                 pair["band_gains"] = (source.amplitude * result.band_gain[row, column]).tolist()
             if result.delay is not None:
                 pair["delay"] = float(result.delay[row, column])
-                pair["taps"] = [
-                    [delay, source.amplitude * gain]
-                    for delay, gain in result.taps.get((row, column), ())
-                ]
             pairs.append(pair)
     statistics: JsonObject = {**seconds, **result.statistics}
     if result.warnings:

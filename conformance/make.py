@@ -49,7 +49,9 @@ def floor_and_crate(**more):
                 "signal": TONE,
             }
         ],
-        "listeners": [{"name": "hand", "object": "crate", "position": [0, 0, 1], "gain": 2}],
+        "listeners": [
+            {"name": "hand", "object": "crate", "position": [0, 0, 1], "gain": 2, "radius": 0}
+        ],
         **more,
     }
 
@@ -98,7 +100,9 @@ def tone():
                 "signal": TONE,
             }
         ],
-        "listeners": [{"name": "hand", "object": "bar", "position": [2, 0, 0], "gain": 2}],
+        "listeners": [
+            {"name": "hand", "object": "bar", "position": [2, 0, 0], "gain": 2, "radius": 0}
+        ],
     }
     gain = math.exp(-ALPHA * 2)
     quieter = {"send": {"type": "step", "time": 1.0, "sources": {"drill": {"amplitude": 0.25}}}}
@@ -134,7 +138,9 @@ def chain():
                 "signal": TONE,
             }
         ],
-        "listeners": [{"name": "hand", "object": links[-1], "position": [6, 0, 0], "gain": 2}],
+        "listeners": [
+            {"name": "hand", "object": links[-1], "position": [6, 0, 0], "gain": 2, "radius": 0}
+        ],
     }
     return [hello(scene), *steps(40, last=felt(math.exp(-ALPHA * 6) * 0.9**5))]
 
@@ -162,7 +168,9 @@ def loop():
                 "signal": TONE,
             }
         ],
-        "listeners": [{"name": "hand", "object": "north", "position": [3, 3, 0], "gain": 2}],
+        "listeners": [
+            {"name": "hand", "object": "north", "position": [3, 3, 0], "gain": 2, "radius": 0}
+        ],
         "settings": {"strategy": "best_path"},
     }
     south_east = math.dist((0, 0), (2, 0)) + math.dist((2, 0), (3, 2)) + math.dist((3, 2), (3, 3))
@@ -175,7 +183,9 @@ def boxes():
     turned by 90 degrees, its hand moves."""
     turn = [math.sqrt(0.5), 0, 0, math.sqrt(0.5)]
     scene = floor_and_crate(
-        listeners=[{"name": "hand", "object": "crate", "position": [0.4, 0, 1], "gain": 2}]
+        listeners=[
+            {"name": "hand", "object": "crate", "position": [0.4, 0, 1], "gain": 2, "radius": 0}
+        ]
     )
 
     def at(pose, first, gain):
@@ -284,7 +294,7 @@ def impact_of_the_engine():
 def spawn_and_removal():
     """A second crate on the first; without the first, which held it, nothing arrives."""
     upper = box("upper", [1, 1, 1], [0, 0, 1.5], mass=1)
-    foot = {"name": "foot", "object": "upper", "position": [0, 0, 2], "gain": 2}
+    foot = {"name": "foot", "object": "upper", "position": [0, 0, 2], "radius": 0, "gain": 2}
     names = {"objects": ["ground", "crate", "upper"], "listeners": ["hand", "foot"]}
     return [
         hello(floor_and_crate()),
@@ -424,7 +434,7 @@ def mixed():
     }
     scene = floor_and_crate(
         contacts=[contact],
-        listeners=[{"name": "hand", "object": "post", "position": [9, 0, 1], "gain": 2}],
+        listeners=[{"name": "hand", "object": "post", "position": [9, 0, 1], "gain": 2, "radius": 0}],
     )
     scene["objects"].insert(0, post)
     gain = math.exp(-ALPHA * (6 + 1)) * 0.5

@@ -33,10 +33,9 @@ from .scene.functions import ModulationFunction
 from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
-from .scene.values import Settings, Source, TriggerKind
+from .scene.values import Source, TriggerKind
 from .unchanged import Unchanged
 
-_ON_PATHS = (Strategy.AUTO, Strategy.BEST_PATH)
 """Strategies whose gains depend on nothing beside the paths from sources to listeners."""
 
 
@@ -302,14 +301,16 @@ class CollisionDetector:
             sounding[[row[name] for name in names if name in row]] = True
             struck = [k for one in (*self._passed, *(frame.struck or ())) for k in one.objects]
             sounding[[number for number in struck if number < len(sounding)]] = True
-        return Endpoints(heard, sounding, self.paths and frame.settings.strategy in _ON_PATHS)
+        return Endpoints(
+            heard, sounding, self.paths and frame.settings.strategy is Strategy.BEST_PATH
+        )
 
 
 def _given(frame: Frame, table: ObjectTable) -> tuple[ContactSet, ObjectFrames | None]:
     """The contacts of a frame whose contacts are given, and the objects' frames of reference if
     something asks for them."""
     contacts = ContactSet.empty() if frame.contacts is None else frame.contacts
-    asked = _asks_for_frames(frame.settings, contacts, table)
+    asked = _asks_for_frames(contacts, table)
     return contacts, ObjectFrames.of_objects(frame.objects, frame.transforms) if asked else None
 
 
@@ -374,7 +375,7 @@ class _Numbering:
             index, row = table.index(), {name: row for row, name in enumerate(frame.names)}
             poses = transforms[[row[name] for name in turned]]
             frames = frames.turned(np.array([index[name] for name in turned]), poses)
-        if not _asks_for_frames(frame.settings, contacts, table, self.sizes):
+        if not _asks_for_frames(contacts, table, self.sizes):
             return frames if turned else None
         touching = np.zeros(self._count, dtype=np.bool_)
         touching[contacts.pairs] = True
@@ -402,12 +403,10 @@ def _has_hit_triggers(sources: Sequence[Source]) -> bool:
 
 
 def _asks_for_frames(
-    settings: Settings, contacts: ContactSet, table: ObjectTable, sizes: FloatArray | None = None
+    contacts: ContactSet, table: ObjectTable, sizes: FloatArray | None = None
 ) -> bool:
     """Whether gains depend on where the objects lie. ``sizes`` (n, 3): of their boxes [m], if they
     are known."""
-    return (
-        settings.strategy is Strategy.ENERGY_BALANCE
-        or any(function.uses_force for function in contacts.transmissions)
-        or bool(len(large_patches(table, contacts, sizes)))
+    return any(function.uses_force for function in contacts.transmissions) or bool(
+        len(large_patches(table, contacts, sizes))
     )

@@ -25,7 +25,6 @@ class Cause(enum.Enum):
     NEAREST_LISTENER_ONLY = (
         "in mode SD only '{listener}', the listener nearest to '{source}', feels it"
     )
-    LOCALISED = "with Localise at 1 only '{listener}', the listener nearest to '{source}', feels it"
     LISTENER_GAIN = "the gain of '{listener}' is 0"
     NOT_RENDERED = "only this one frame was traced: play to feel what arrives"
     PAUSE = "'{source}' reaches it with a gain of {gain}, but is silent at this moment"
@@ -52,8 +51,7 @@ class Cause(enum.Enum):
         "{threshold}: '{object}' loses the most, {loss} over {distance}"
     )
     TOO_FAR = "'{source}' is {distance} away: {gain} is below the threshold of {threshold}"
-    TOO_LONG = "the path {path} has {count} connections, but Max Connections is {most}"
-    NO_CONNECTION_ALLOWED = "Max Connections is 0: no path is allowed"
+    TOO_LONG = "the path {path} has {count} connections, more than the {most} of a sum over paths"
     KAPPA_ONE = "'{object}' transmits nothing, because its kappa is 1"
     RHO_ZERO = "'{object}' transmits nothing, because its rho is 0"
     FUNCTION_ZERO = "'{object}' transmits nothing over {distance}: change its function, {function}"
@@ -65,38 +63,10 @@ class Cause(enum.Enum):
         "when '{first}' and '{second}' hit each other is uncertain by up to a frame: a simpler "
         "collision shape than Mesh, or more frames a second, makes it certain"
     )
-    AMPLIFICATION = (
-        "some gains are above 1: paths were searched by their number of connections; "
-        "the energy balance counts such gains as 1"
-    )
-    PATH_BUDGET = (
-        "the search ended at its limit before the best paths were certain: see the error bounds"
-    )
-    SUM_SET_BY_THRESHOLD = (
-        "the sum over all paths from '{source}' depends on Threshold: weaker paths add up "
-        "without bound "
-        "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not "
-        "depend on it"
-    )
-    SUM_SET_BY_CONNECTIONS = (
-        "the sum over all paths from '{source}' depends on Max Connections: longer paths add up "
-        "without bound "
-        "(walk radius at least {radius}); the strategies Automatic and Energy Balance do not "
-        "depend on it"
-    )
-    SUM_TRUNCATED = (
-        "the limits leave out more than the tolerance of a sum over all paths from "
-        "'{source}': see the error bounds"
-    )
-    SUM_DIVERGES = (
-        "a sum over paths grows without bound: its gain is a lower bound; the "
-        "strategy Energy Balance suits such a scene"
-    )
     SUM_BUDGET = (
-        "the search ended at its limit before a sum over paths was certain: its gain is "
-        "a lower bound, see the error bounds"
+        "the search for paths from '{source}' ended at its limit of operations: the sum is a "
+        "lower bound"
     )
-    GAIN_OVERFLOW = "a gain is too large for a number: it is given as 1e300, a lower bound"
     FORCE_UNKNOWN = (
         "the force between '{first}' and '{second}' is unknown: bodies need a mass and must rest "
         "on their supports, "
@@ -141,9 +111,12 @@ class Cause(enum.Enum):
     )
     # What a formula does
     FORMULA_CONTACT_VARIABLE = "{name} is 0 inside an object: only a contact has one"
-    FORMULA_NOT_FINITE = "no finite value at {distance} m; divided by zero?"
-    FORMULA_NEGATIVE = "negative at {distance} m; a gain is 0 or more"
-    FORMULA_AMPLIFIES = "amplifies: the gain is {gain} at {distance} m"
+    FORMULA_NOT_FINITE = "no finite value at {distance} m (κ {kappa}, ρ {rho}); divided by zero?"
+    FORMULA_NEGATIVE = "negative at {distance} m (κ {kappa}, ρ {rho}); a gain is 0 or more"
+    FORMULA_AMPLIFIES = "{gain} at {distance} m (κ {kappa}, ρ {rho}); a gain is at most 1"
+    FORMULA_RISES = (
+        "rises to {gain} at {distance} m (κ {kappa}, ρ {rho}); a gain falls with distance"
+    )
     MIX_NOT_FINITE = "no finite value where sum is {sum}: nothing is felt there"
     MIX_NOT_SILENT = "{value} where no source sounds; it should be 0"
 

@@ -191,7 +191,7 @@ def build_avatar(
             "SPHERE",
             BODY_PART[listener].radius,
         )
-        listeners[listener] = make_listener(empty, listener, BODY_PART[listener].radius, gain)
+        listeners[listener] = make_listener(empty, listener, gain)
     return Avatar(root, parts, listeners, mannequin.joints)
 
 

@@ -39,7 +39,6 @@ def build(scene: Scene, count: int = COUNT) -> None:
     set_picture(scene, frames, FRAME_RATE)
     haptics = scene.haptics
     haptics.minimum_energy, haptics.maximum_energy = LEAST_ENERGY, FULL_ENERGY
-    haptics.threshold = 1e-4
     add_rigid_body_world(scene, frames)
     arm = spiral(count // ARMS)
     radius = math.hypot(*arm[0][:2])

@@ -35,7 +35,6 @@ SPEED_IN_STEEL, SPEED_IN_SOIL = 5000.0, 200.0  # metres per second
 def build(scene: Scene) -> None:
     """Fill the empty ``scene``."""
     set_picture(scene, FRAMES)
-    scene.haptics.threshold = 1e-5
     add_rigid_body_world(scene, FRAMES)
     _add_ground(scene)
     wood, steel = (

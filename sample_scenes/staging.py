@@ -225,14 +225,13 @@ def add_texture(
         setattr(row, name, value)
 
 
-def make_listener(obj: Object, body_part: str, radius: float, gain: float = 1.0) -> Object:
-    """A listener at the origin of ``obj``, which represents a body part with a bounding radius in
-    metres; ``gain``: that of the listener."""
+def make_listener(obj: Object, body_part: str, gain: float = 1.0) -> Object:
+    """A listener at the origin of ``obj``, a point, which represents a body part; ``gain``: that of
+    the listener."""
     listener = obj.haptics.listener
     listener.enabled = True
     listener.limiter = False  # the paper clips the mix at the ceiling
-    listener.extent = "none"
     listener.body_part = body_part
-    listener.radius = radius
+    listener.radius = 0.0
     listener.gain = gain
     return obj

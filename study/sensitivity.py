@@ -75,8 +75,7 @@ class Variation:
 
 
 def variations() -> tuple[Variation, ...]:
-    """Half and double the loss of each material, what was arranged, the paper's strategies and the
-    energy balance."""
+    """Half and double the loss of each material, what was arranged, and the paper's strategy."""
     values = [
         Variation(material.title, label, material, power)
         for material in CHOSEN
@@ -98,15 +97,8 @@ def variations() -> tuple[Variation, ...]:
         Variation("strength of wind and wheels", label, strength=strength)
         for label, strength in (("half", 0.5), ("a quarter", 0.25))
     ]
-    strategies = (
-        ("as in the paper, paths above 1 %", Strategy.AS_IN_THE_PAPER),
-        ("energy balance", Strategy.ENERGY_BALANCE),
-    )
-    return (
-        *values,
-        *arranged,
-        *(Variation("strategy", label, strategy=strategy) for label, strategy in strategies),
-    )
+    paper = "as in the paper, paths above 1 %"
+    return *values, *arranged, Variation("strategy", paper, strategy=Strategy.AS_IN_THE_PAPER)
 
 
 PAPER_ENERGY = 100.0

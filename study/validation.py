@@ -17,10 +17,9 @@ import numpy as np
 from ..core.arrays import FloatArray
 from ..core.frozen import frozen
 from ..core.perception import FullScale, threshold_level
-from ..core.propagation.conjugate_gradients import PowerBalance, solve
 from ..core.run_time import Scene
 from ..core.scene.bands import BAND_CENTRES
-from ..core.scene.functions import Constant, HapticTracing, Impedance, Physical, Wave
+from ..core.scene.functions import HapticTracing, Impedance, Physical, Wave
 from ..core.scene.materials import MATERIALS
 from ..core.scene.measured import DAMPING, physical
 from ..core.scene.values import (
@@ -28,9 +27,7 @@ from ..core.scene.values import (
     HapticObject,
     HapticScene,
     Listener,
-    Settings,
     Source,
-    Strategy,
     Vector,
 )
 
@@ -166,7 +163,6 @@ def all_series() -> Iterator[Series]:
     yield from ground()
     yield from into_buildings()
     yield from buildings()
-    yield from energy()
     yield from materials()
     yield from body()
 
@@ -363,7 +359,7 @@ def _through_contact(first: str, second: str) -> float:
         objects,
         (Contact(("1", "2"), (origin, origin), Impedance()),),
         (Source("s", "1"),),
-        (Listener("before", "1"), Listener("behind", "2")),
+        (Listener("before", "1", radius=0.0), Listener("behind", "2", radius=0.0)),
     )
     gain = Scene.of_values(scene).gains()
     return NEPER * math.log(gain["s", "behind"] / gain["s", "before"])
@@ -489,167 +485,6 @@ def buildings() -> Iterator[Series]:
         )
 
 
-@frozen
-class Plates:
-    """Equal steel plates of 1 m² and 3 mm, joined along 1 m at right angles; 1 W goes into the
-    first. ``printed``: their energies [J]."""
-
-    name: str
-    transmission: float
-    count: int
-    printed: dict[int, tuple[float, float]]
-
-
-PLATES = (
-    Plates(
-        "Two plates, L joint",
-        1 / 3,
-        2,
-        {
-            250: (0.041407, 0.022255),
-            500: (0.021936, 0.0098947),
-            1000: (0.011638, 0.0042771),
-            2000: (0.0061630, 0.0017947),
-            4000: (0.0032478, 0.00073113),
-        },
-    ),
-    Plates(
-        "Four plates, X joint",
-        1 / 12,
-        4,
-        {250: (0.037999, 0.0085543), 500: (0.021063, 0.0035895), 1000: (0.011529, 0.0014623)},
-    ),
-    Plates(
-        "Three plates, T joint",
-        4 / 27,
-        3,
-        {250: (0.037868, 0.012897), 500: (0.020737, 0.0055472), 1000: (0.011284, 0.0023159)},
-    ),
-)
-MODULUS, POISSON, DENSITY, THICKNESS = 210e9, 0.3, 7800.0, 3e-3
-INTERNAL = 0.01
-FULL_MODEL = {250: 0.022155, 500: 0.0098010, 1000: 0.0042206, 2000: 0.0017347, 4000: 0.00068677}
-"""Energy of the second plate with in-plane waves as well, by the package pyva-toolbox 1.3.0."""
-
-
-def coupling_loss(transmission: float, frequency: float) -> float:
-    """Coupling loss factor of a joint of 1 m on a plate of 1 m²: c_g τ L / (2 π² f S)."""
-    stiffness = MODULUS * THICKNESS**3 / (12 * (1 - POISSON**2))
-    bending = math.sqrt(math.sqrt(stiffness / (DENSITY * THICKNESS))) * math.sqrt(
-        2 * math.pi * frequency
-    )
-    return 2 * bending * transmission / (2 * math.pi**2 * frequency)
-
-
-def plate_energies(plates: Plates, frequency: float) -> FloatArray:
-    """Energies [J] of equal plates, by the solver of the energy balance."""
-    omega, n = 2 * math.pi * frequency, plates.count
-    row, column = np.array([(a, b) for a in range(n) for b in range(n) if a != b]).T
-    coupling = np.full((1, len(row)), omega * coupling_loss(plates.transmission, frequency))
-    balance = PowerBalance(
-        np.full((1, n), omega * INTERNAL), np.zeros((1, n)), row, column, coupling
-    )
-    power = np.zeros((n, 1, 1))
-    power[0] = 1.0
-    return np.asarray(
-        solve(balance, power, lambda energy, _: 1e-13 * energy.max(axis=0)).energy[:, 0, 0]
-    )
-
-
-def energy() -> Iterator[Series]:
-    """Statistical energy analysis."""
-    for plates in PLATES:
-        points = []
-        for frequency, printed in plates.printed.items():
-            found = plate_energies(plates, frequency)
-            points += [
-                Point(f"{frequency} Hz, plate {k + 1}", printed[k], float(found[k])) for k in (0, 1)
-            ]
-        yield Series(
-            plates.name,
-            "closed form; coupling by C. Hopkins, Sound Insulation (2007), bending waves only",
-            "steel, 3 mm, 1 m² each, loss factor 0.01, 1 W into the first",
-            "printed",
-            "relative",
-            tuple(points),
-            5e-5,
-            "the solver given the same subsystems and coupling factors; to the last printed digit",
-            "nothing; the plates are given",
-        )
-    ell = PLATES[0]
-    points = [
-        Point(f"{f} Hz", value, float(plate_energies(ell, f)[1])) for f, value in FULL_MODEL.items()
-    ]
-    yield Series(
-        "L joint, in-plane waves as well",
-        "pyva-toolbox 1.3.0, run on the same plates",
-        "energy of the second plate",
-        "shown",
-        "relative",
-        tuple(points),
-        None,
-        "bending alone: what goes over into in-plane waves is missing",
-        "nothing; computed by another program, not measured",
-    )
-    shown = [
-        Point(f"{f} Hz", 10 * math.log10(e2 / e1), _own_ratio())
-        for f, (e1, e2) in ell.printed.items()
-    ]
-    yield Series(
-        "L joint by haptic coefficients",
-        "closed form as above",
-        "second plate against first, two touching lossless objects",
-        "shown",
-        "dB",
-        tuple(shown),
-        None,
-        "a contact passes on what its function says, the same at all frequencies",
-        "nothing",
-    )
-    left, right = (4.4e-3, 0.08722), (2.4e-3, 0.013302)
-    balance = PowerBalance(
-        np.array([[left[0] * 0.557, right[0] * 0.606]]),
-        np.zeros((1, 2)),
-        np.array([0, 1]),
-        np.array([1, 0]),
-        np.full((1, 2), 4.26e-4 * 0.557),
-    )
-    power = 2 * math.pi * 500 * (left[0] * left[1] + right[0] * right[1])
-    driven = np.zeros((2, 1, 1))
-    driven[0] = power / (2 * math.pi * 500)
-    modal = solve(balance, driven, lambda energy, _: 1e-13 * energy.max(axis=0)).energy[:, 0, 0]
-    yield Series(
-        "Plate and cylinder",
-        "M. P. Norton, D. G. Karczub, Fundamentals of Noise and Vibration Analysis (2003), "
-        "problem 6.10",
-        "500 Hz; energies and power",
-        "printed",
-        "relative",
-        (
-            Point("power [W]", 1.31, power),
-            Point("plate [J]", left[1], float(modal[0]) * 0.557),
-            Point("cylinder [J]", right[1], float(modal[1]) * 0.606),
-        ),
-        5e-3,
-        "printed with three digits",
-        "nothing; the plates are given",
-    )
-
-
-def _own_ratio() -> float:
-    """Level [dB] of the second of two touching lossless objects, by the energy balance."""
-    objects = tuple(HapticObject(name, 0.0, 1.0, Constant(gain_value=1.0)) for name in ("a", "b"))
-    scene = HapticScene(
-        objects,
-        (Contact(("a", "b"), ((0, 0, 0), (0, 0, 0))),),
-        (Source("s", "a"),),
-        (Listener("1", "a"), Listener("2", "b")),
-        Settings(strategy=Strategy.ENERGY_BALANCE),
-    )
-    gain = Scene.of_values(scene).gains()
-    return 20 * math.log10(gain["s", "2"] / gain["s", "1"])
-
-
 def materials() -> Iterator[Series]:
     """Which of two materials loses more over three touching bars, wherever the published ranges
     don't overlap."""
@@ -691,8 +526,7 @@ def _through_bars(name: str) -> FloatArray:
             for pair, place in zip(pairwise(names), places, strict=True)
         ),
         (Source("s", "1"),),
-        (Listener("l", "3", (3.0, 0.0, 0.0)),),
-        Settings(threshold=0.0),
+        (Listener("l", "3", (3.0, 0.0, 0.0), radius=0.0),),
     )
     result = Scene.of_values(scene).propagate()
     if result.band_gain is None:

@@ -48,7 +48,7 @@ UNMODELLED = (
     (
         "Rooms and beams with few modes",
         "peaks and gaps of 20 dB and more",
-        "an energy balance describes averages over many modes, and a path has no resonance",
+        "a path has no resonance",
     ),
 )
 """Published effects, their figures, and why the model has none."""

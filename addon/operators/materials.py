@@ -176,7 +176,7 @@ class HAPTIC_OT_set_model(Edit):
         else:
             scene.haptics.impact_energy = "effective"
             if scene.haptics.strategy == "as_in_the_paper":
-                scene.haptics.strategy = "auto"
+                scene.haptics.strategy = "best_path"
             known = library.use_physical(scene, objects, self.in_a_building)
         self.tell("{} of {} haptic objects are made of a preset", known, len(objects))
 

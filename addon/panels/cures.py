@@ -30,14 +30,8 @@ def draw_cure(layout: UILayout, context: Context, reason: Message) -> bool:
             layout.operator("screen.frame_jump", text="Jump to First Frame", icon="REW").end = False
         case Cause.NEAREST_LISTENER_ONLY:
             layout.operator("haptic.set_mode", text="Set Mode to Haptic Tracing").mode = "HT"
-        case Cause.LOCALISED:
-            layout.prop(haptics, "localise")
         case Cause.NARROW_GAP:
             layout.prop(haptics, "contact_tolerance")
-        case Cause.BELOW_THRESHOLD | Cause.TOO_FAR:
-            layout.prop(haptics, "threshold")
-        case Cause.TOO_LONG | Cause.NO_CONNECTION_ALLOWED:
-            layout.prop(haptics, "max_connections")
         case Cause.MUTED if obj is not None:
             layout.prop(obj.haptics.source, "muted")
         case Cause.ZERO_AMPLITUDE | Cause.NOT_FELT if obj is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
 
 import blf
@@ -15,34 +14,15 @@ from .drawing import draw_held
 from .texts import draw_lines, font_size, ui_scale
 
 
-@lru_cache(maxsize=256)
-def _checked(
-    source: str, kappa: float, rho: float, epsilon: float, on_contact: bool
-) -> functions.Finding | None:
-    """The fault of a formula, cached because panels request it at every redraw."""
-    return functions.check_expression(source, kappa, rho, epsilon, on_contact)
-
-
-def draw_parameters(
-    layout: UILayout, group: Any, kappa: float, rho: float, epsilon: float, on_contact: bool = False
-) -> None:
-    """Draw the parameters of the chosen function; a formula takes the whole width and shows its
-    fault.
-
-    Args:
-        layout: to draw into.
-        group: properties of the function.
-        kappa: for which a formula is checked.
-        rho: for which a formula is checked.
-        epsilon: for which a formula is checked.
-        on_contact: whether it is a function of contacts.
-    """
+def draw_parameters(layout: UILayout, group: Any, on_contact: bool = False) -> None:
+    """Draw the parameters of the function that is chosen in ``group``; a formula takes the whole
+    width and shows its fault. ``on_contact``: it is a function of contacts."""
     if group.function == "expression":
         row = layout.row()
         row.use_property_split = False
         row.prop(group, "expression", text="")
         draw_finding(
-            layout, group.expression, _checked(group.expression, kappa, rho, epsilon, on_contact)
+            layout, group.expression, functions.check_expression(group.expression, on_contact)
         )
         return
     draw_held(layout, group, functions.TRANSMISSIONS[group.function])

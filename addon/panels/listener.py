@@ -30,7 +30,6 @@ class HAPTIC_PT_listener(ObjectPanel):
             layout,
             listener,
             Listener,
-            radius=partial(_draw_radius, listener),
             mixing_expression=partial(_draw_formula, listener),
             full_scale=partial(_draw_full_scale, listener),
             full_scale_unit=None,
@@ -41,12 +40,6 @@ class HAPTIC_PT_listener(ObjectPanel):
         layout.operator(
             "haptic.add_default_listeners", text="Add Body Listeners", icon="OUTLINER_OB_ARMATURE"
         )
-
-
-def _draw_radius(listener: HapticListenerProperties, layout: UILayout) -> None:
-    row = layout.row()
-    row.active = listener.extent != "none"
-    row.prop(listener, "radius")
 
 
 def _draw_full_scale(listener: HapticListenerProperties, layout: UILayout) -> None:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.types import Context, Object, Panel, Scene, UILayout
 
+from ...core.declaration import default_of
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.functions import Physical
-from ...core.scene.values import HapticObject
+from ...core.scene.values import HapticObject, Settings
 from ..blender.polling import is_editable
 from ..blender.words import show_pair, ui_text
 from ..properties.preferences import gain_text, preferences
@@ -95,8 +96,7 @@ class HAPTIC_PT_object(ObjectPanel):
             layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
         layout.prop(haptics, "function")
         if haptics.function != "physical":  # whose parameters are those of the material
-            epsilon = context.scene.haptics.epsilon
-            draw_parameters(layout, haptics, haptics.kappa, haptics.rho, epsilon)
+            draw_parameters(layout, haptics)
         draw_wave_speed(layout, haptics, material)
         draw_held(layout, haptics, HapticObject, kappa=None, rho=None)
         _draw_surface(layout, context, obj)
@@ -242,7 +242,7 @@ class HAPTIC_PT_gain(ObjectPanel):
     def draw(self, context: Context) -> None:
         layout = self.layout
         haptics = context.object.haptics
-        key = _curve_key(haptics, context.scene)
+        key = _curve_key(haptics)
         latest = None if key is None else gain_plot.latest_curve(key)
         if key is not None and latest is None:
             layout.label(text="Computing...", icon="SORTTIME")
@@ -273,11 +273,12 @@ class HAPTIC_PT_gain(ObjectPanel):
 
 
 def _curve_key(
-    haptics: HapticObjectProperties, scene: Scene
+    haptics: HapticObjectProperties,
 ) -> tuple[ModulationFunction, float, float, float] | None:
     """The values that determine the active object's curve; None if its function is invalid."""
     try:
-        return functions.read_function(haptics), haptics.kappa, haptics.rho, scene.haptics.epsilon
+        epsilon = default_of(Settings, "epsilon")
+        return functions.read_function(haptics), haptics.kappa, haptics.rho, epsilon
     except ValueError:
         return None
 

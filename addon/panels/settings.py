@@ -40,19 +40,12 @@ class HAPTIC_PT_settings(HapticsPanel):
             haptics,
             Settings,
             strategy=partial(_draw_strategy, haptics),
-            localise=partial(_draw_localise, haptics),
         )
 
 
 def _draw_strategy(haptics: HapticSceneProperties, layout: UILayout) -> None:
     layout.prop(haptics, "strategy")
     draw_models(layout)
-
-
-def _draw_localise(haptics: HapticSceneProperties, layout: UILayout) -> None:
-    row = layout.row()
-    row.active = haptics.mode == "HT"
-    row.prop(haptics, "localise", slider=True)
 
 
 class HAPTIC_PT_impacts(ScenePanel):
@@ -128,7 +121,7 @@ class HAPTIC_PT_contacts(ScenePanel):
         rule = draw_table(layout, context, "transmission_table")
         if rule is not None:
             layout.prop(rule, "function")
-            draw_parameters(layout, rule, 0.0, 1.0, haptics.epsilon, on_contact=True)
+            draw_parameters(layout, rule, on_contact=True)
 
 
 class HAPTIC_PT_overlay(ScenePanel):

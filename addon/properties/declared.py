@@ -40,8 +40,6 @@ _LEAST = float(np.finfo(np.float32).tiny)
 _NOTHING: Form = MappingProxyType({})
 _IDENTIFIERS = {"": "NONE", "by_material": "MATERIALS", "plain": "PLAIN"}
 """Blender's identifiers of values that have others in the core."""
-_NUMBERS = {"best_path": 1, "all_paths": 2, "energy_balance": 3, "as_in_the_paper": 4}
-"""The numbers under which files store values that are not in the order of their choices."""
 
 
 def holding(
@@ -131,8 +129,7 @@ def _limits(declaration: Number) -> dict[str, Any]:
 def items_of(items: Mapping[str, tuple[str, str]]) -> tuple[tuple[str, str, str, str, int], ...]:
     """The items of a choice, as Blender's properties have them."""
     return tuple(
-        (identifier(value), *item, "", _NUMBERS.get(value, place))
-        for place, (value, item) in enumerate(items.items())
+        (identifier(value), *item, "", place) for place, (value, item) in enumerate(items.items())
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.types import Context, PropertyGroup
 
-from ...core.scene.values import Extent, Listener
+from ...core.scene.values import Listener
 from ..blender.units import metres_per_unit
 from .callbacks import changed, object_changed, updating
 from .declared import holding
@@ -12,22 +12,21 @@ from .kinds import switch
 
 
 def _enabled_edited(self: HapticListenerProperties, context: Context) -> None:
-    """Give a new listener a limiter and an extent; listeners of files in which these were off by
-    default are not affected."""
-    if self.enabled and (
-        context.scene is None or context.scene.haptics.strategy != "as_in_the_paper"
+    """Give a new listener a limiter; listeners of files in which it was off by default are not
+    affected."""
+    if (
+        self.enabled
+        and (context.scene is None or context.scene.haptics.strategy != "as_in_the_paper")
+        and not self.is_property_set("limiter")
     ):
-        if not self.is_property_set("limiter"):
-            self.limiter = True
-        if not self.is_property_set("extent"):
-            self.extent = Extent.STRONGEST.value
+        self.limiter = True
     changed(self, context)
 
 
 def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
     """Set the size of an empty that is displayed as a sphere to the listener's radius."""
     empty = self.id_data
-    if empty.type == "EMPTY" and empty.empty_display_type == "SPHERE":
+    if self.radius > 0 and empty.type == "EMPTY" and empty.empty_display_type == "SPHERE":
         empty.empty_display_size = self.radius / metres_per_unit(context.scene)
     object_changed(self, context)
 

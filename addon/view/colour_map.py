@@ -52,16 +52,7 @@ class AmplitudeScale:
     """Colours from ``floor`` [dB, negative] to 0 dB; weaker amplitudes have the first colour,
     stronger ones the last."""
 
-    floor: float
-
-    @classmethod
-    def of_threshold(cls, threshold: float) -> AmplitudeScale:
-        """From the threshold of propagation to 0 dB; 60 dB without a threshold, at least 10 dB."""
-        return cls(
-            min(-10.0, max(-120.0, round(20 * math.log10(threshold), 3)))
-            if threshold > 0
-            else -60.0
-        )
+    floor: float = -60.0
 
     def place(self, amplitude: FloatArray) -> FloatArray:
         """Place of amplitudes on the scale, 0 to 1."""

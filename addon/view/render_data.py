@@ -177,7 +177,7 @@ def render_data(
     """The drawing of ``result``, which was traced with ``settings``. ``kept``: the connections of
     the best paths (`Connections.rows`) of a frame that was not traced now."""
     graph = distance_only(result.graph) if settings.mode is Mode.SD else result.graph
-    scale = AmplitudeScale.of_threshold(settings.threshold)
+    scale = AmplitudeScale()
     spreading = _spread(result, graph, settings, options)
     pairs = np.outer(
         _chosen(options.sources, result.sources), _chosen(options.listeners, result.listeners)
@@ -203,7 +203,7 @@ def _spread(
     result: FrameResult, graph: HapticGraph, settings: Settings, options: Options
 ) -> Spread:
     if settings.mode in (Mode.HT, Mode.SD):
-        return spread(graph, settings, options.sources or None)
+        return spread(graph, options.sources or None)
     nothing = Spread(np.zeros(graph.node_count), np.full(graph.node_count, -1, dtype=np.int64))
     for source in graph.sources:
         nothing.amplitude[list(source.nodes)] = source.amplitude

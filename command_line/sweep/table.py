@@ -25,7 +25,6 @@ _RESULT = {
     "peak": pa.float64(),
     "impacts": pa.int64(),
     "gains": pa.map_(pa.string(), pa.float64()),
-    "error_bound": pa.float64(),
     "silenced": pa.bool_(),
     "threshold": pa.float64(),
     "milliseconds": pa.float64(),
@@ -37,8 +36,8 @@ def write_table(path: Path, folder: Path, keyed: Sequence[tuple[str, Variant]]) 
 
     Columns: ``key``, the varied parameters, ``level`` in dB of the RMS (0 dB: a constant 1; null if
     nothing is felt), ``peak``, ``gains`` (mean over the frames, by persistent source, including the
-    amplitude), ``error_bound``, ``silenced``, ``threshold`` of feeling in dB of the listener's
-    calibrated device (null without a calibration), and ``milliseconds`` of tracing a frame.
+    amplitude), ``silenced``, ``threshold`` of feeling in dB of the listener's calibrated device
+    (null without a calibration), and ``milliseconds`` of tracing a frame.
     """
     varied: dict[str, pa.DataType] = {}
     for _, variant in keyed:

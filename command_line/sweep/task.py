@@ -112,12 +112,10 @@ def _trace(task: Form) -> None:
 
 
 class _VariantGains:
-    """Gains and their error bounds over the frames of a variant, and which listeners its settings
-    silence."""
+    """Gains over the frames of a variant, and which listeners its settings silence."""
 
     def __init__(self) -> None:
         self._gains: JsonObject = defaultdict(float)
-        self._error: Any = 0.0
         self._silenced: Any = False
         self._milliseconds: list[float] = []
 
@@ -131,20 +129,14 @@ class _VariantGains:
                 self._gains[source.name] = self._gains[source.name] + result.amplitudes[row]
             if source.amplitude > 0:
                 self._silenced = self._silenced | found.silenced[row]
-                if source.kind is SourceKind.PERSISTENT:
-                    self._error = np.maximum(self._error, source.amplitude * found.error_bound[row])
 
     def result(self, tracks: Tracks) -> JsonObject:
         """The median time of a frame; per listener RMS (without its steady part) and peak of its
-        samples, impacts, mean gains of persistent sources (amplitudes included), the greatest error
-        bound of any of these gains in any frame, None where there is no bound, whether a setting
+        samples, impacts, mean gains of persistent sources (amplitudes included), whether a setting
         silences the listener, at least for some source in some frame, and the lowest threshold of
         feeling [dB of full scale] by the calibration of its device, None without one."""
         count = len(self._milliseconds)
-        errors, silenced = (
-            np.broadcast_to(values, len(tracks.listeners))
-            for values in (self._error, self._silenced)
-        )
+        silenced = np.broadcast_to(self._silenced, len(tracks.listeners))
         return {
             "milliseconds": float(np.median(self._milliseconds)),
             "frames": count,
@@ -159,7 +151,6 @@ class _VariantGains:
                         name: float(total[row]) / count
                         for name, total in sorted(self._gains.items())
                     },
-                    "error_bound": float(errors[row]) if np.isfinite(errors[row]) else None,
                     "silenced": bool(silenced[row]),
                     "threshold": item.device
                     and float(threshold_level(_TACTILE, item.device).min()),

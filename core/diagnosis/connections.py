@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray
 from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph
-from ..propagation.connections import intra_gains
+from ..propagation.connections import intra_costs
 from ..render.frame_result import FrameResult
 from ..scene.values import Mode
 
@@ -92,9 +92,9 @@ def _connection_gains(graph: HapticGraph, steps: IntArray) -> FloatArray:
     """Gain of each connection (m,) between nodes (m, 2)."""
     inter = (graph.partner[steps[:, 0]] == steps[:, 1]) & (graph.contact[steps[:, 0]] >= 0)
     gain = np.empty(len(steps))
-    gain[inter] = graph.transmission[graph.contact[steps[inter, 0]]]
-    gain[~inter], _ = intra_gains(graph, *steps[~inter].T)
-    return gain
+    gain[inter] = -graph.crossing_costs()[steps[inter, 0]]
+    gain[~inter] = -intra_costs(graph, *steps[~inter].T)
+    return np.exp(gain)
 
 
 def _starts(counts: IntArray) -> IntArray:

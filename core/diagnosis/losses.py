@@ -12,11 +12,13 @@ from ..graph.distance_only import DISTANCE_ONLY
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Chain, Decibels, Message, Metres
 from ..propagation import objects_on
-from ..propagation.best_path import best_paths, most_connections
-from ..propagation.connections import amplifying, intra_costs
+from ..propagation.best_path import best_paths
+from ..propagation.connections import intra_costs
 from ..propagation.modes import straight_distances
-from ..propagation.strategies import BUDGET
+from ..propagation.shortest_paths import LIMIT
+from ..propagation.strategies import strategy_of
 from ..render.frame_result import FrameResult
+from ..scene.choices import Strategy
 from ..scene.coefficients import transfer_coefficient
 from ..scene.values import Mode, Settings
 
@@ -31,19 +33,16 @@ def straight_line_message(
     result: FrameResult, settings: Settings, row: int, listener: int
 ) -> Message:
     """Why nothing arrives in the modes MD and MN, which ignore objects."""
-    if settings.max_connections is not None and settings.max_connections < 1:
-        return Message.of(Cause.NO_CONNECTION_ALLOWED)
     source = result.sources[row].name
     distance = float(straight_distances(result.graph)[row, listener])
     loss = DISTANCE_ONLY.alpha * distance * NEPER if settings.mode is Mode.MD else 0.0
-    threshold = Decibels(-_threshold_loss(settings))
     return Message.of(
         Cause.TOO_FAR,
         source,
         source=source,
         distance=Metres(distance),
         gain=Decibels(-loss),
-        threshold=threshold,
+        threshold=Decibels(-NEPER * LIMIT),
     )
 
 
@@ -52,20 +51,24 @@ def loss_message(graph: HapticGraph, settings: Settings, row: int, column: int) 
     without a chain."""
     path = _best_path(graph, row, column)
     if path:
-        return _weak_path_message(graph, settings, path)
+        kind = graph.sources[row].kind
+        is_sum = strategy_of(kind, settings) is Strategy.AS_IN_THE_PAPER
+        return _weak_path_message(graph, settings if is_sum else None, path)
     path = _best_path(_with_barriers(graph), row, column)
     return _barrier_message(graph, path) if path else None
 
 
-def _weak_path_message(graph: HapticGraph, settings: Settings, path: tuple[int, ...]) -> Message:
-    """Message that the gain of the path is too low, or that it has too many connections."""
+def _weak_path_message(
+    graph: HapticGraph, limits: Settings | None, path: tuple[int, ...]
+) -> Message:
+    """Message that a path is too weak or too long; ``limits``: those of a sum over paths."""
     losses = object_losses(graph, path)
     total = sum(loss for _, loss, _ in losses)
     chain = Chain(objects_on(graph, path))
     count = len(path) - 1
-    limit = _threshold_loss(settings)
-    most = most_connections(settings)
-    if total <= limit and most is not None and count > most:
+    least = LIMIT if limits is None else -math.log(max(limits.threshold, 1e-300))
+    most = None if limits is None else limits.max_connections
+    if total <= NEPER * least and most is not None and count > most:
         return Message.of(Cause.TOO_LONG, path=chain, count=count, most=most)
     worst, loss, distance = max(losses, key=lambda item: item[1])
     return Message.of(
@@ -73,7 +76,7 @@ def _weak_path_message(graph: HapticGraph, settings: Settings, path: tuple[int, 
         worst,
         path=chain,
         gain=Decibels(-total),
-        threshold=Decibels(-limit),
+        threshold=Decibels(-NEPER * least),
         object=worst,
         loss=Decibels(loss),
         distance=Metres(distance),
@@ -84,7 +87,7 @@ def _barrier_message(graph: HapticGraph, path: tuple[int, ...]) -> Message:
     """Message that an object or contact on the chain transmits nothing."""
     for a, b in itertools.pairwise(path):
         if graph.partner[a] == b and graph.contact[a] >= 0:
-            if not math.isfinite(graph.transmission_loss[graph.contact[a]]):
+            if not math.isfinite(graph.transmission_loss[graph.contact[a], graph.side[a]]):
                 first, second = (graph.table.names[graph.node_object[node]] for node in (a, b))
                 return Message.of(Cause.CONTACT_ZERO, first, first=first, second=second)
         elif not math.isfinite(float(intra_costs(graph, np.array([a]), np.array([b]))[0])):
@@ -119,7 +122,7 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
     for a, b in itertools.pairwise(path):
         name = graph.table.names[graph.node_object[a]]
         if graph.partner[a] == b and graph.contact[a] >= 0:
-            cost = float(graph.transmission_loss[graph.contact[a]])
+            cost = float(graph.transmission_loss[graph.contact[a], graph.side[a]])
             length = 0.0
         else:
             ends = np.array([a]), np.array([b])
@@ -131,10 +134,10 @@ def object_losses(graph: HapticGraph, path: tuple[int, ...]) -> list[tuple[str, 
 
 
 def _best_path(graph: HapticGraph, row: int, column: int) -> tuple[int, ...]:
-    """Nodes of the best path without limits, () if there is none."""
-    return best_paths(
-        graph, np.array([[row, column]]), None, 0.0, BUDGET, amplifying(graph), {}, {}
-    ).nodes.get((row, column), ())
+    """Nodes of the best path, however weak, () if there is none."""
+    wanted = np.zeros((len(graph.sources), len(graph.listeners)), dtype=np.bool_)
+    wanted[row, column] = True
+    return best_paths(graph, wanted, math.inf).paths.get((row, column), ())
 
 
 def _with_barriers(graph: HapticGraph) -> HapticGraph:
@@ -146,9 +149,4 @@ def _with_barriers(graph: HapticGraph) -> HapticGraph:
         graph.table, factor=np.exp(-barriers), decay=decay, loss=barriers, special=frozenset()
     )
     loss = np.minimum(graph.transmission_loss, _BARRIER)
-    return replace(graph, table=table, transmission=np.exp(-loss), transmission_loss=loss)
-
-
-def _threshold_loss(settings: Settings) -> float:
-    """Loss [dB] at the threshold of propagation, infinite without a threshold."""
-    return -NEPER * math.log(settings.threshold) if settings.threshold > 0 else math.inf
+    return replace(graph, table=table, transmission_loss=loss)

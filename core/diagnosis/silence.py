@@ -152,12 +152,11 @@ def _source_message(
         return Message.of(
             Cause.FINISHED, source.name, source=source.name, end=Seconds(_signal_end(source))
         )
-    if settings.mode is Mode.SD or (settings.mode is Mode.HT and settings.localise == 1):
+    if settings.mode is Mode.SD:
         nearest = int(np.flatnonzero(nearest_listener(result.graph)[row])[0])
         if nearest != listener:
             name = result.listeners[nearest].name
-            cause = Cause.NEAREST_LISTENER_ONLY if settings.mode is Mode.SD else Cause.LOCALISED
-            return Message.of(cause, name, listener=name, source=source.name)
+            return Message.of(Cause.NEAREST_LISTENER_ONLY, name, listener=name, source=source.name)
     return None
 
 

@@ -52,8 +52,8 @@ class Waterfall:
 
     @property
     def others(self) -> float:
-        """What the gain has beyond the best path: other paths, the weights of frequency bands, and
-        the mean over the listener's volume. The whole gain in the modes without paths."""
+        """What the gain has beyond the best path: other paths, and the weights of frequency bands.
+        The whole gain in the modes without paths."""
         return self.gain + sum(hop.loss for hop in self.hops)
 
     @property

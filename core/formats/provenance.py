@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from .. import __version__
 from ..forms import Form, JsonObject
-from ..scene.values import MODES, STRATEGIES, HapticScene, Settings
+from ..scene.values import MODES, STRATEGIES, HapticScene, Settings, Strategy
 from .io.json_text import compact
 from .scene.scene_json import scene_to_dict
 from .tracks.listener_tracks import Tracks
@@ -68,16 +68,12 @@ def methods(provenance: Form, scene: HapticScene, tracks: Tracks | None) -> str:
 def _propagation(settings: Settings) -> str:
     name, meaning = STRATEGIES[settings.strategy]
     limits = f"ε = {settings.epsilon:g} 1/m"
-    if settings.max_connections is not None:
-        limits += f", at most {settings.max_connections} connections"
-    if settings.threshold:
-        limits += f", paths ended below a gain of {settings.threshold:g}"
-    text = f"Gains were computed by the strategy {name} ({_lowered(meaning)}; {limits})."
-    if settings.localise:
-        text += (
-            f" They were blended with the nearest listener of each source ({settings.localise:g})."
-        )
-    return text
+    if settings.strategy is Strategy.AS_IN_THE_PAPER:
+        if settings.max_connections is not None:
+            limits += f", at most {settings.max_connections} connections"
+        if settings.threshold:
+            limits += f", paths ended below a gain of {settings.threshold:g}"
+    return f"Gains were computed by the strategy {name} ({_lowered(meaning)}; {limits})."
 
 
 def _lowered(text: str) -> str:

@@ -8,7 +8,6 @@ them is its propagation function at their distance.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
@@ -28,8 +27,7 @@ from ..scene.functions import ModulationFunction
 from ..scene.functions.spreading import Spreading
 from ..scene.rules import Motion
 from ..scene.spectra import leading_band
-from ..scene.values import Extent, HapticObject, HapticScene, Listener, Source, SourceKind, Vector
-from .listener_volumes import points_in
+from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKind, Vector
 from .object_frames import ObjectFrames
 
 if TYPE_CHECKING:
@@ -266,10 +264,13 @@ class HapticGraph:
         node_position: (n, 3) [m, world].
         partner: (n,) the node at the other end of its inter-connection, or -1.
         contact: (n,) number of its contact, or -1.
-        transmission: (c,) gain of each inter-connection, including the contact's weight.
-        transmission_loss: (c,) ``-log(transmission)``.
+        side: (n,) which of the two objects of its contact a node lies on: 0 the one of the lower
+            number, 1 the other.
+        transmission_loss: (c, 2) cost ``-log(gain)``, at least 0, of each inter-connection,
+            including the contact's weight: from the object of the lower number into the other, and
+            back.
         weight: (c,) the contact's weight: 1, falling to 0 as the objects separate.
-        contact_band_gains: (c, bands), or None.
+        contact_band_gains: (c, 2, bands) in the same two directions, or None.
         contact_delay: (c,) [s], or None.
         sources, listeners: by name, with their nodes.
         listener_nodes: (l,) node of each listener.
@@ -278,8 +279,6 @@ class HapticGraph:
             function does not use it; None if no function does.
         reach: (n,) radius [m] about a listener's node within which distances to it are 0, 0 for
             other nodes; None if all are 0.
-        points: the nodes over which each listener takes the mean, its own first; None if no
-            listener does.
         fronts: (2, n) `Spreading.fronts` of the nodes' patches; None if all are points.
     """
 
@@ -290,7 +289,7 @@ class HapticGraph:
     node_position: FloatArray
     partner: IntArray
     contact: IntArray
-    transmission: FloatArray
+    side: IntArray
     transmission_loss: FloatArray
     weight: FloatArray
     contact_band_gains: FloatArray | None
@@ -301,7 +300,6 @@ class HapticGraph:
     frames: ObjectFrames
     forces: FloatArray | None = None
     reach: FloatArray | None = None
-    points: tuple[tuple[int, ...], ...] | None = None
     fronts: FloatArray | None = None
 
     @property
@@ -310,7 +308,7 @@ class HapticGraph:
 
     @property
     def contact_count(self) -> int:
-        return len(self.transmission)
+        return len(self.transmission_loss)
 
     @property
     def uses_bands(self) -> bool:
@@ -334,8 +332,25 @@ class HapticGraph:
             return self
         if self.contact_band_gains is not None:
             with np.errstate(divide="ignore"):
-                loss = loss - np.log(self.contact_band_gains[:, band])
-        return replace(self, table=table, transmission=np.exp(-loss), transmission_loss=loss)
+                loss = loss - np.log(self.contact_band_gains[..., band])
+        return replace(self, table=table, transmission_loss=loss)
+
+    def crossing_costs(self, backwards: bool = False) -> FloatArray:
+        """Cost (n,) of leaving through each node over its contact, or, ``backwards``, of coming
+        over it to the node; infinite where there is none."""
+        loss = np.append(self.transmission_loss.reshape(-1), [math.inf] * 2)
+        return np.asarray(loss[2 * self.contact + (1 - self.side if backwards else self.side)])
+
+    def crossing_lanes(self) -> FloatArray:
+        """Gain (n, lanes) of leaving through each node over its contact: the plain gain, then,
+        where bands are used, that in each band; 0 where there is none."""
+        gains = np.exp(-self.crossing_costs())[:, None]
+        if not self.uses_bands:
+            return gains
+        bands = np.ones((1, BAND_COUNT))
+        if self.contact_band_gains is not None:
+            bands = self.contact_band_gains[self.contact, self.side]
+        return np.concatenate([gains, gains * bands], axis=1)
 
     def intra_connection_count(self) -> int:
         """Number of implied intra-connections: n (n - 1) / 2 of each object's n nodes."""
@@ -345,6 +360,11 @@ class HapticGraph:
     def nodes_of(self, index: int) -> slice:
         """The nodes of object ``index``."""
         return slice(int(self.start[index]), int(self.start[index + 1]))
+
+    def size_around(self, nodes: IntArray) -> IntArray:
+        """The number of nodes of the object of each of some nodes."""
+        index = self.node_object[nodes]
+        return np.asarray(self.start[index + 1] - self.start[index])
 
     def nodes_of_contacts(self) -> IntArray:
         """The two nodes of each contact (c, 2), that of the lower number first."""
@@ -374,15 +394,16 @@ class HapticGraph:
             else (self.fronts.take(a, axis=1), self.fronts.take(b, axis=1))
         )
 
-    def to_networkx(self) -> networkx.Graph[int]:
-        """The explicit graph, every intra-connection an edge: for small scenes and for tests.
+    def to_networkx(self) -> networkx.DiGraph[int]:
+        """The explicit graph, every connection an edge in either direction: for small scenes and
+        for tests.
 
         Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter")
         and ``gain``.
         """
         import networkx
 
-        graph = networkx.Graph()
+        graph = networkx.DiGraph()
         for node in range(self.node_count):
             graph.add_node(
                 node,
@@ -398,13 +419,12 @@ class HapticGraph:
             )
             for node, other, gain in zip(a.tolist(), b.tolist(), gains.tolist(), strict=True):
                 graph.add_edge(node, other, connection="intra", gain=gain)
-        for node, (partner, contact) in enumerate(
-            zip(self.partner.tolist(), self.contact.tolist(), strict=True)
-        ):
-            if node < partner:
-                graph.add_edge(
-                    node, partner, connection="inter", gain=float(self.transmission[contact])
-                )
+                graph.add_edge(other, node, connection="intra", gain=gain)
+        gains = np.exp(-self.crossing_costs())
+        for node in (self.partner >= 0).nonzero()[0].tolist():
+            graph.add_edge(
+                node, int(self.partner[node]), connection="inter", gain=float(gains[node])
+            )
         return graph
 
 
@@ -469,10 +489,6 @@ def build_graph(
     ends = [(name, position) for _, name, position in source_entries] + [
         (item.object, item.position) for item in listeners
     ]
-    points = [points_in(item) for item in listeners]
-    ends += [
-        (item.object, point) for item, own in zip(listeners, points, strict=True) for point in own
-    ]
     index = table.index()
     try:
         on = np.array([index[name] for name, _ in ends], dtype=np.int64)
@@ -492,7 +508,7 @@ def build_graph(
     partner, contact = _inter_connections(rank, count)
     frames = frames or ObjectFrames.unknown(len(table.names))
     forces = _forces(table, contacts, frames, gravity)
-    transmission, loss, band_gains, delay = _transmissions(table, contacts, forces)
+    loss, band_gains, delay = _transmissions(table, contacts, forces)
     listener_nodes = rank[2 * count + len(source_entries) :]
     in_bands = (
         table.band_gains is not None or table.band_decays is not None or band_gains is not None
@@ -505,7 +521,7 @@ def build_graph(
         node_position=node_position.take(order, axis=1).T,  # each coordinate contiguous
         partner=partner,
         contact=contact,
-        transmission=transmission,
+        side=np.where(contact >= 0, partner < np.arange(len(partner)), 0),
         transmission_loss=loss,
         weight=contacts.weight,
         contact_band_gains=band_gains,
@@ -517,11 +533,10 @@ def build_graph(
             in_bands,
         ),
         listeners=tuple(listener.name for listener in listeners),
-        listener_nodes=listener_nodes[: len(listeners)].copy(),
+        listener_nodes=listener_nodes,
         frames=frames,
         forces=forces,
         reach=_reach(listeners, listener_nodes, len(rank)),
-        points=_points([len(own) for own in points], listener_nodes.tolist()),
         fronts=_fronts(table, contacts, frames, rank),
     )
 
@@ -560,25 +575,12 @@ def _fronts(
 
 def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatArray | None:
     """`HapticGraph.reach` of ``count`` nodes; ``nodes``: those of the listeners."""
-    radii = np.array(
-        [listener.radius if listener.extent is Extent.STRONGEST else 0.0 for listener in listeners]
-    )
+    radii = np.array([listener.radius for listener in listeners])
     if not radii.any():
         return None
     reach = np.zeros(count)
-    reach[nodes[: len(radii)]] = radii
+    reach[nodes] = radii
     return reach
-
-
-def _points(sizes: Sequence[int], nodes: Sequence[int]) -> tuple[tuple[int, ...], ...] | None:
-    """`HapticGraph.points`; ``sizes``: numbers of further points of the listeners; ``nodes``: one
-    for each listener, then those of all further points."""
-    if not any(sizes):
-        return None
-    more = iter(nodes[len(sizes) :])
-    return tuple(
-        (node, *itertools.islice(more, size)) for node, size in zip(nodes, sizes, strict=False)
-    )
 
 
 def _source_nodes(
@@ -709,11 +711,10 @@ def _forces(
 
 def _transmissions(
     table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
-) -> tuple[FloatArray, FloatArray, FloatArray | None, FloatArray | None]:
-    """Gain, loss, band gains and delay of each inter-connection, including the weights of the
-    contacts. A function of kappa and rho uses the mean of the two objects; ``angle`` is the contact
-    normal's angle to the vertical."""
-    gains = np.ones(len(contacts), dtype=np.float64)
+) -> tuple[FloatArray, FloatArray | None, FloatArray | None]:
+    """Loss (c, 2), band gains (c, 2, bands) and delay (c,) of each inter-connection, including the
+    weights of the contacts; alike in both directions. A function of kappa and rho uses the mean of
+    the two objects; ``angle`` is the contact normal's angle to the vertical."""
     losses = np.zeros(len(contacts), dtype=np.float64)
     band_gains = delay = None
     if not all(
@@ -725,11 +726,9 @@ def _transmissions(
             if function.name == "identity":
                 continue
             chosen = np.flatnonzero(contacts.transmission == number)
-            gains[chosen] = _transmission_gains(
-                table, contacts, function, chosen, distance[chosen], forces
-            )
+            gains = _transmission_gains(table, contacts, function, chosen, distance[chosen], forces)
             with np.errstate(divide="ignore"):
-                losses[chosen] = -np.log(gains[chosen])
+                losses[chosen] = -np.log(np.minimum(gains, 1.0))
             if function.name in (
                 "constant",
                 "exponential",
@@ -749,9 +748,9 @@ def _transmissions(
         delay = None if slowness is None else slowness[kind] * distance
     if (contacts.weight < 1).any():
         with np.errstate(divide="ignore"):
-            gains = gains * contacts.weight
             losses = losses - np.log(contacts.weight)
-    return gains, losses, band_gains, delay
+    both = np.stack([losses, losses], axis=1)
+    return both, None if band_gains is None else np.stack([band_gains] * 2, axis=1), delay
 
 
 def _transmission_gains(

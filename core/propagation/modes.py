@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from ..graph.distance_only import DISTANCE_ONLY
 from ..graph.haptic_graph import HapticGraph, distances
-from .result import Propagation
+from .shortest_paths import LIMIT
 
 
 def straight_distances(graph: HapticGraph) -> FloatArray:
@@ -36,26 +34,11 @@ def nearest_listener(graph: HapticGraph) -> BoolArray:
     return chosen
 
 
-def localised(result: Propagation, nearest: BoolArray, localise: float) -> Propagation:
-    """The blend between haptic tracing and the nearest listener: gains, bounds, bands and taps of
-    all pairs but those of ``nearest`` (s, l) times ``1 - localise``, which is above 0."""
-    factor = np.where(nearest, 1.0, 1.0 - localise)
-    return dataclasses.replace(
-        result,
-        gain=result.gain * factor,
-        error_bound=result.error_bound * factor,
-        band_gain=None if result.band_gain is None else result.band_gain * factor[:, :, None],
-        taps={
-            pair: tuple((delay, gain * float(factor[pair])) for delay, gain in taps)
-            for pair, taps in result.taps.items()
-        },
-    )
-
-
 def direct_gains(graph: HapticGraph, attenuated: bool) -> FloatArray:
     """Gains (s, l) of one straight connection from every source to every listener: over distance,
-    or 1."""
+    0 below -120 dB, or 1."""
     line = straight_distances(graph)
     if graph.reach is not None:
         line = np.maximum(line - graph.reach[graph.listener_nodes], 0.0)
-    return np.exp(-DISTANCE_ONLY.alpha * line) if attenuated else np.ones_like(line)
+    cost = DISTANCE_ONLY.alpha * line if attenuated else np.zeros_like(line)
+    return np.where(cost <= LIMIT, np.exp(-cost), 0.0)

@@ -1,9 +1,7 @@
-"""What propagation returns: gains of every (source, listener) pair with their error bounds, paths
-and counts."""
+"""What propagation returns: gains of every (source, listener) pair, paths and counts."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 
@@ -19,25 +17,20 @@ class Propagation:
     """Gains from s sources to l listeners; amplitudes of the sources are not included.
 
     Attributes:
-        gain: (s, l).
-        error_bound: (s, l) absolute: the best path or the sum over all paths lies within ``gain ±
-            error_bound``, whatever the limits leave out; infinite where nothing bounds it.
-        paths: (s, l) number of paths summed, -1 where they were not counted.
-        limited: (s, l) whether the limits may leave out a better path, or more than the tolerance
-            of a sum.
+        gain: (s, l); of a sum over paths a lower bound where it is ``limited``.
+        paths: (s, l) number of paths summed.
+        limited: (s, l) whether limits have cut off paths from the source of a sum.
         silenced: (s, l) whether a setting silences the listener for the source, so that nothing was
-            computed: mode SD, *Localise*, or amplitude 0.
+            computed: mode SD, or amplitude 0.
         best_path: nodes of the best path by (source, listener).
         strategy: of each source.
         band_gain: (s, l, bands), or None where no function uses bands.
         delay: (s, l) [s] of the best path, or None where no function has a wave speed.
-        taps: (delay, gain) pairs of the strongest paths by (source, listener), the strongest first.
         warnings: what the user should know about these gains.
-        statistics: counts of what was done; ``walk_radius`` where paths were summed.
+        statistics: counts of what was done.
     """
 
     gain: FloatArray
-    error_bound: FloatArray
     paths: IntArray
     limited: BoolArray
     silenced: BoolArray
@@ -45,7 +38,6 @@ class Propagation:
     strategy: tuple[str, ...]
     band_gain: FloatArray | None = None
     delay: FloatArray | None = None
-    taps: Mapping[tuple[int, int], tuple[tuple[float, float], ...]] = field(default_factory=dict)
     warnings: tuple[Message, ...] = ()
     statistics: Mapping[str, int | float] = field(default_factory=dict)
 
@@ -53,19 +45,10 @@ class Propagation:
     def of_gains(
         cls, gain: FloatArray, band_gain: FloatArray | None = None, delay: FloatArray | None = None
     ) -> Propagation:
-        """Gains that were stored without their paths and error bounds."""
+        """Gains that were stored without their paths."""
         no = np.zeros(gain.shape, dtype=np.bool_)
-        return cls(
-            gain,
-            np.full(gain.shape, math.inf),
-            np.full(gain.shape, -1),
-            no,
-            no,
-            {},
-            ("",) * len(gain),
-            band_gain,
-            delay,
-        )
+        uncounted = np.zeros(gain.shape, dtype=np.int64)
+        return cls(gain, uncounted, no, no, {}, ("",) * len(gain), band_gain, delay)
 
     def longest_delays(self, names: Sequence[str]) -> dict[str, float]:
         """The longest delay [s] of each source, by its name, at the listeners that it reaches;

@@ -292,7 +292,8 @@ class Run:
         """Add an object, a source or a listener, as in a scene file. Raises ValueError, also where
         the name exists.
 
-        >>> run.add(listener={"name": "foot", "object": "bench", "position": [3, 0, 0]})
+        >>> run.add(listener={"name": "foot", "object": "bench", "position": [3, 0, 0],
+        ...               "radius": 0})
         >>> run.step(0.0).levels["foot"].gains
         {'drill': 0.25}
         """
@@ -351,7 +352,8 @@ class Run:
         """Replace an object, a source or a listener by one of the same name. Raises ValueError,
         also where there is none.
 
-        >>> run.replace(listener={"name": "hand", "object": "bench", "position": [2, 0, 0]})
+        >>> run.replace(listener={"name": "hand", "object": "bench", "position": [2, 0, 0],
+        ...                   "radius": 0})
         >>> run.step(0.0).levels["hand"].gains
         {'drill': 0.5}
         """

@@ -67,7 +67,8 @@ class Scene:
     ...     objects=[{"name": "bench", "kappa": 0.1, "rho": 0.8,
     ...               "propagation": {"function": "linear", "range": 4}}],
     ...     sources=[{"name": "drill", "object": "bench", "position": [0, 0, 0]}],
-    ...     listeners=[{"name": "hand", "object": "bench", "position": [1, 0, 0]}],
+    ...     listeners=[{"name": "hand", "object": "bench", "position": [1, 0, 0],
+    ...                 "radius": 0}],
     ... )
     """
 
@@ -161,12 +162,12 @@ class Scene:
             return graph_of_scene(self.with_contacts())
 
     def propagate(self, graph: HapticGraph | None = None) -> Propagation:
-        """Gains, error bounds and paths of all pairs; ``graph``: that of the scene, if it is known.
+        """Gains and paths of all pairs; ``graph``: that of the scene, if it is known.
         Raises ValueError.
 
         >>> found = scene.propagate()
-        >>> found.gain.tolist(), found.error_bound.tolist()  # a row for each source
-        ([[0.75]], [[0.0]])
+        >>> found.gain.tolist(), found.paths.tolist()  # a row for each source
+        ([[0.75]], [[1]])
         """
         graph = self.graph() if graph is None else graph
         with self._errors():

@@ -17,21 +17,10 @@ class Mode(enum.StrEnum):
 class Strategy(enum.StrEnum):
     """How the gain from a source to a listener is computed."""
 
-    AUTO = "auto"  # the best path for every source, whatever its number of connections
+    BEST_PATH = "best_path"
     AS_IN_THE_PAPER = (
         "as_in_the_paper"  # all paths for persistent sources, the best path for temporary ones
     )
-    BEST_PATH = "best_path"
-    ALL_PATHS = "all_paths"
-    ENERGY_BALANCE = "energy_balance"
-
-
-class Extent(enum.StrEnum):
-    """How the bounding sphere of a listener enters the gain."""
-
-    NONE = "none"  # the listener is a point
-    STRONGEST = "strongest"  # the largest gain over the volume
-    MEAN_POWER = "mean_power"  # the root of the mean of the squared gains
 
 
 class SourceKind(enum.StrEnum):

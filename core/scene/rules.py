@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from dataclasses import field
 from functools import lru_cache
 
-from ..declaration import Declared, choice, number, numbers, part, switch
+from ..declaration import Declared, check, choice, number, numbers, part, switch
 from ..frozen import frozen
-from .functions import ModulationFunction
+from .functions import ModulationFunction, require_gains
 from .impact_rule import FULL_ENERGY, LEAST_ENERGY, REFRACTORY, TEMPLATES, ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
 from .rule_table import MOST_ROWS, RuleTable
@@ -131,6 +131,11 @@ class ContactSettings(Declared):
         f"Textures of objects that slide or roll on each other{_ROWS} (silent)",
         MOST_ROWS,
     )
+
+    def __post_init__(self) -> None:
+        check(self)
+        for row in self.transmission_table.rows:
+            require_gains(row.value, on_contact=True)
 
     @property
     def limits(self) -> ImpactLimits:

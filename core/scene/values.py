@@ -32,7 +32,6 @@ from ..forms import Form
 from ..frozen import frozen
 from ..perception import FullScale
 from .body import BODY_PARTS
-from .choices import Extent as Extent
 from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
@@ -43,6 +42,7 @@ from .functions import (
     Identity,
     ModulationFunction,
     compile_expression,
+    require_gains,
 )
 from .impact_rule import require_template
 from .references import require_known, require_unique
@@ -92,16 +92,10 @@ MODES = {
     Mode.MN: ("All Alike", "Every source directly to every listener, without fading"),
 }
 STRATEGIES = {
-    Strategy.AUTO: ("Automatic", "The best path for every source, over any number of connections"),
+    Strategy.BEST_PATH: ("Best Path", "The path that passes on most"),
     Strategy.AS_IN_THE_PAPER: (
         "As in the Paper",
-        "All paths for persistent sources, the best path for impacts",
-    ),
-    Strategy.BEST_PATH: ("Best Path", "Only the path that passes on most"),
-    Strategy.ALL_PATHS: ("All Paths", "The sum of everything that arrives"),
-    Strategy.ENERGY_BALANCE: (
-        "Energy Balance",
-        "Steady state of the energy that flows through all contacts; for dense piles",
+        "The sum over all paths for persistent sources, the best path for impacts",
     ),
 }
 
@@ -112,50 +106,34 @@ class Settings(Declared):
 
     mode: Mode = choice(Mode.HT, "Mode", "The rendering", MODES)
     strategy: Strategy = choice(
-        Strategy.AUTO,
+        Strategy.BEST_PATH,
         "Strategy",
         "How the gain from a source to a listener is computed",
         STRATEGIES,
     )
     max_connections: int | None = number(
         32,
-        "Max Connections",
-        "Longest path, in connections through and between objects; 0 sets no limit",
+        "",
+        "Longest path of a sum as in the paper, in connections through and between objects; null "
+        "sets no limit",
         0,
         1_000_000,
-        soft=(0, 128),
         whole=True,
         optional=True,
     )
     threshold: float = share(
         0.001,
-        "Threshold",
-        "A path ends where its gain falls below this part of the source; 0 sets no limit",
-        soft=(0.0, 0.1),
-        digits=4,
+        "",
+        "A path of a sum as in the paper ends where its gain falls below this part of the source; "
+        "0 sets no limit",
     )
     epsilon: float = number(
         0.1,
-        "Epsilon (ε)",
-        "Least attenuation per metre, also of materials that would transmit without loss. "
-        "The paper's ε",
-        0.0,
-        soft=(0.0, 1.0),
-        unit="1/m",
-        digits=3,
-    )
-    tolerance: float = number(
-        0.01,
         "",
-        "Relative error requested of a sum over paths whose exact value is infeasible",
+        "Least attenuation per metre of the function haptic_tracing, also of materials that would "
+        "transmit without loss. The paper's ε",
         0.0,
-    )
-    localise: float = share(
-        0.0,
-        "Localise",
-        "Blends from propagation through touching objects (0) to the nearest listener of "
-        "each source alone (1). "
-        "Some participants of the paper's study preferred to feel a source in one place",
+        unit="1/m",
     )
 
 
@@ -261,6 +239,7 @@ class HapticObject:
 
     def __post_init__(self) -> None:
         check(self)
+        require_gains(self.propagation)
         if self.impact_material and self.impact_material not in signals.IMPACT_MATERIALS:
             raise ValueError(
                 f"impact_material: {self.impact_material!r} is not one of "
@@ -320,6 +299,7 @@ class Contact:
             self, "positions", tuple(_finite_vector("positions", p) for p in self.positions)
         )
         check(self)
+        require_gains(self.transmission, on_contact=True)
 
 
 @frozen
@@ -458,14 +438,6 @@ MIXING = {
     "custom": ("Custom", "Your own formula from the results of the other methods"),
 }
 """Methods of mixing."""
-EXTENTS = {
-    Extent.NONE: ("Point", "Feels what arrives at its origin, whatever the radius"),
-    Extent.STRONGEST: (
-        "Strongest",
-        "Contacts within the radius count as if they were at the origin",
-    ),
-    Extent.MEAN_POWER: ("Mean Power", "Feels the mean of the power over its volume"),
-}
 FULL_SCALE_UNITS = {
     "m/s^2": ("Acceleration (m/s²)", "As an accelerometer on the device measures it"),
     "N": ("Force (N)", "From which the acceleration of a fingertip's skin is computed"),
@@ -492,15 +464,13 @@ class Listener:
         "", "Body Part", "The place on the body that this listener stands for", PARTS, open=True
     )
     _: KW_ONLY
-    extent: Extent = choice(
-        Extent.NONE,
-        "Extent",
-        "What the listener feels of its bounding volume. New listeners feel the strongest; "
-        "those of earlier files are points",
-        EXTENTS,
-    )
     radius: float = number(
-        0.05, "Radius", "Radius of the listener's bounding volume", 0.0, soft=(0.0, 0.5), unit="m"
+        0.05,
+        "Radius",
+        "Radius of the ball that feels: what reaches its nearest point is felt; 0 is a point",
+        0.0,
+        soft=(0.0, 0.5),
+        unit="m",
     )
     mixing: str = choice(
         "cumulative", "Mixing", "How signals that arrive together are combined", MIXING

@@ -8,6 +8,7 @@ extension, which can hold kappa and rho only in its extras.
 from __future__ import annotations
 
 import copy
+from dataclasses import fields
 from typing import Any
 
 import bpy
@@ -24,7 +25,7 @@ from ...core.formats.scene.values_json import (
     read_source,
 )
 from ...core.forms import Form, JsonObject
-from ...core.scene.values import HapticScene
+from ...core.scene.values import HapticScene, Settings
 
 KEY = "haptic_tracing"
 VERSION = 1
@@ -70,8 +71,10 @@ class glTF2ExportUserExtension:
         """Called for the scene: the settings."""
         self._form("", export_settings)
         if self.properties.use_extras and self._scene is not None:
-            keys = "mode", "strategy", "max_connections", "threshold", "epsilon", "tolerance"
-            settings = {key: json_value(getattr(self._scene.settings, key)) for key in keys}
+            settings = {
+                key.name: json_value(getattr(self._scene.settings, key.name))
+                for key in fields(Settings)
+            }
             scene.extras = {**(scene.extras or {}), KEY: {"version": VERSION, "settings": settings}}
 
     def gather_gltf_extensions_hook(self, gltf: Any, export_settings: JsonObject) -> None:

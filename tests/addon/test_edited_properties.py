@@ -135,7 +135,7 @@ def test_one_edit_reads_one_object(touching, monkeypatch, physics):
     assert session.result_of(touching) is not None
     every[1].location.z += 0.1
     bpy.context.view_layer.update()
-    touching.haptics.threshold = 0.2
+    touching.haptics.minimum_energy = 0.2
     bpy.ops.haptic.add_rule(table="textures")
     bpy.context.view_layer.update()
     bpy.ops.object.select_all(action="SELECT")

@@ -119,15 +119,12 @@ CURED = {
         Cause.ZERO_AMPLITUDE,
         Cause.FINISHED,
         Cause.NEAREST_LISTENER_ONLY,
-        Cause.LOCALISED,
     ),
     *(
         Cause.LISTENER_GAIN,
         Cause.NOT_FELT,
         Cause.NARROW_GAP,
-        Cause.BELOW_THRESHOLD,
     ),
-    *(Cause.TOO_FAR, Cause.TOO_LONG, Cause.NO_CONNECTION_ALLOWED),
 }
 
 

@@ -65,7 +65,7 @@ def test_each_mode_renders_the_same_blow(struck):
         lambda scene: setattr(scene.haptics, "show_flow", True),
         lambda scene: setattr(scene.objects["Hand"].haptics.listener, "gain", 0.5),
         lambda scene: setattr(scene.objects["Hammer"].haptics, "rho", 0.2),
-        lambda scene: setattr(scene.haptics, "strategy", "all_paths"),
+        lambda scene: setattr(scene.haptics, "strategy", "as_in_the_paper"),
         lambda scene: scene.objects["Hand"].haptics.keyframe_insert("rho", frame=FRAME),
         lambda scene: scene.objects["Table"].select_set(True),
         lambda scene: bpy.ops.haptic.trace_frame(),

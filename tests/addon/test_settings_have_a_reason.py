@@ -36,8 +36,6 @@ DESIGNERS = {
     "scene.impact_signal": "blows of one signal, whatever the materials",
     "scene.refractory_time": "drums and dice: how soon a blow follows another",
     "scene.contact_tolerance": "models with gaps: up to which gap objects touch",
-    "scene.max_connections": "the paper's limit of a path",
-    "scene.localise": "how much only the nearest listener feels",
     "scene.materials.items.use_delay": "long bodies, in which vibration takes its time",
     "*.use_bands": "materials that attenuate high frequencies more",
     "*.band_decays": "as above: by how much in each band",

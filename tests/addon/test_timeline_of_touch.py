@@ -24,7 +24,9 @@ def test_baked_waves_have_the_samples_and_impacts_of_the_track():
     while baking.advance(1.0) is None:
         pass
     track = storage.track_of(scene)
-    waves = computed(track, [Listener(item.name, item.name) for item in track.listeners])
+    waves = computed(
+        track, [Listener(item.name, item.name, radius=0.0) for item in track.listeners]
+    )
     assert waves.listeners == tuple(item.name for item in track.listeners)
     # A frame's samples lead up to it.
     for number in range(track.frame_start + 1, track.frame_end + 1):

@@ -26,8 +26,8 @@ SCENE = HapticScene(
     contacts=(Contact(("ground", "bench"), ((1, 0, 0), (1, 0, 0))),),
     sources=(Source("hammer", "ground", signal=Sine(60.0)),),
     listeners=(
-        Listener("seat", "bench", (1.2, 0, 0.4), "upper_leg.L"),
-        Listener("back", "bench", (1.2, 0, 0.9), "upper_back.L"),
+        Listener("seat", "bench", (1.2, 0, 0.4), "upper_leg.L", radius=0.0),
+        Listener("back", "bench", (1.2, 0, 0.9), "upper_back.L", radius=0.0),
     ),
 )
 

@@ -34,7 +34,12 @@ def test_export_equals_that_of_the_add_on_to_the_bit(falling, tmp_path):
 
 @pytest.mark.slow
 def test_modes_and_settings(falling, command, tmp_path):
-    settings = ["--set", "scene.haptics.threshold=0", "--set", 'objects["Hammer"].haptics.kappa=1']
+    settings = [
+        "--set",
+        "scene.haptics.minimum_energy=0",
+        "--set",
+        'objects["Hammer"].haptics.kappa=1',
+    ]
     assert (
         command(
             "export",
@@ -96,9 +101,9 @@ def test_a_property_that_is_not_in_the_file_is_one_line_and_writes_nothing(
 @pytest.mark.parametrize(
     ("setting", "said"),
     [
-        ("scene.haptics.threshold=2", "must be from 0 to 1"),
-        ("scene.haptics.threshold", "expected PATH=VALUE"),
-        ("scene.haptics.threshold=much", "must be a number"),
+        ("scene.haptics.minimum_energy=-2", "must be "),
+        ("scene.haptics.minimum_energy", "expected PATH=VALUE"),
+        ("scene.haptics.minimum_energy=much", "must be a number"),
         ("scene.haptics.mode=XX", "enum"),
         ("scene.haptics=1", "only single values"),
         ("scene.frame_end=0.5", "must be a number"),

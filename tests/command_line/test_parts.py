@@ -258,7 +258,7 @@ def test_parts_that_do_not_add_up_are_named(hammer, tmp_path, capsys):
     assert "missing: part 2 of 2 of hammer (frames 16 to 30)" in said(first)
     for change, words in (
         ({"blend": "0" * 64}, "of another .blend file"),
-        ({"settings": ("scene.haptics.threshold=0",)}, "of other settings"),
+        ({"settings": ("scene.haptics.minimum_energy=0",)}, "of other settings"),
         ({"programs": "haptic-tracing 0.0.1"}, "of other versions"),
     ):
         write_part(replace(known, origin=replace(known.origin, **change)), second)
@@ -302,7 +302,11 @@ def test_a_part_keeps_recordings_bands_and_delays_to_the_bit(tmp_path):
         more = (rng.random((*shape, 6)), None) if bands else (None, rng.random(shape))
         gains = Propagation.of_gains(rng.random(shape), *more)
         return HeardFrame(
-            number, number / 7, sources, (Listener("hand", "box", (number, 0.0, 0.0)),), gains
+            number,
+            number / 7,
+            sources,
+            (Listener("hand", "box", (number, 0.0, 0.0), radius=0.0),),
+            gains,
         )
 
     frames = (
@@ -346,7 +350,7 @@ def small_part(tmp_path):
     """A part of two frames, and a function that writes it with changes to its header and arrays."""
     saw, hand = (
         Source("saw", "box", (0.0, 0.0, 0.0), 0.3, signal=Sine(60.0)),
-        Listener("hand", "box", (0.0, 0.0, 0.0)),
+        Listener("hand", "box", (0.0, 0.0, 0.0), radius=0.0),
     )
     frames = tuple(
         HeardFrame(n, n / 24, (saw,), (hand,), Propagation.of_gains(np.full((1, 1), 0.5)))
@@ -446,7 +450,7 @@ def test_a_large_part_of_equal_gains_is_read_again(tmp_path):
     """It is stored without compression, which would make it too small for its content."""
     saws = tuple(Source(f"saw {n}", "box", (0.0, 0.0, 0.0), 0.3) for n in range(1000))
     hand, gains = (
-        Listener("hand", "box", (0.0, 0.0, 0.0)),
+        Listener("hand", "box", (0.0, 0.0, 0.0), radius=0.0),
         Propagation.of_gains(np.full((1000, 1), 0.5)),
     )
     frames = tuple(HeardFrame(n, n / 24, saws, (hand,), gains) for n in range(1, 101))

@@ -1,4 +1,4 @@
-"""``haptic-tracing propagate``: listeners with an extent, and who is felt."""
+"""``haptic-tracing propagate``: listeners with a radius, and who is felt."""
 
 import json
 import math
@@ -33,13 +33,12 @@ SCENE = {
             "object": "plate",
             "position": [0, 0, 0],
             "radius": radius,
-            "extent": extent,
             "gain": 2 if name == "palm" else 1,
         }
-        for name, radius, extent in (
-            ("point", 2.0, "none"),
-            ("palm", 2.0, "strongest"),
-            ("belly", 50.0, "strongest"),
+        for name, radius in (
+            ("point", 0.0),
+            ("palm", 2.0),
+            ("belly", 50.0),
         )
     ],
 }

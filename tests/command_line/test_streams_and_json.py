@@ -35,7 +35,7 @@ SCENE = {
             "signal": {"signal": "sine", "frequency": 60},
         }
     ],
-    "listeners": [{"name": "seat", "object": "bench", "position": [1, 0, 0.4]}],
+    "listeners": [{"name": "seat", "object": "bench", "position": [1, 0, 0.4], "radius": 0}],
 }
 
 

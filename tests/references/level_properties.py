@@ -1,8 +1,5 @@
-"""What makes a level one that a designer can compare by a decibel, as checks of a haptic scene.
-
-Each is an assertion about the strategies that are always well posed: `AUTO`, the default, and
-`ENERGY_BALANCE`.
-"""
+"""What makes a level one that a designer can compare by a decibel, as checks of a haptic scene by
+the default strategy."""
 
 from __future__ import annotations
 
@@ -22,13 +19,11 @@ from haptic_tracing.core.scene.values import (
     HapticObject,
     HapticScene,
     Listener,
-    Mode,
     Pose,
+    Settings,
     Source,
-    Strategy,
 )
 
-WELL_POSED = (Strategy.AUTO, Strategy.ENERGY_BALANCE)
 MOVED = 0.002
 """Metres."""
 STILL = 0.1
@@ -37,10 +32,9 @@ QUIET = 1e-5
 """Gains below this, -100 dB, are not compared in decibels."""
 
 
-def traced(scene: HapticScene, strategy: Strategy, **settings: object) -> Propagation:
-    """The scene by its own settings but for the strategy, and those given."""
-    own = dataclasses.replace(scene.settings, mode=Mode.HT, localise=0.0, strategy=strategy)
-    return propagate(graph_of_scene(scene), dataclasses.replace(own, **settings))
+def traced(scene: HapticScene) -> Propagation:
+    """The scene by the default strategy."""
+    return propagate(graph_of_scene(scene), Settings(epsilon=scene.settings.epsilon))
 
 
 def decibels(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -51,25 +45,10 @@ def decibels(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     )
 
 
-def check_bounded(scene: HapticScene, strategy: Strategy) -> None:
+def check_bounded(scene: HapticScene) -> None:
     """No listener feels more than the source gives."""
-    gain = traced(scene, strategy).gain
+    gain = traced(scene).gain
     assert ((gain >= 0) & (gain <= 1)).all()
-
-
-def check_cut_offs(scene: HapticScene, strategy: Strategy) -> None:
-    """A tenth of the threshold and twice the connections change nothing that was above the
-    threshold, or nothing at all."""
-    here, threshold = traced(scene, strategy).gain, scene.settings.threshold
-    above = here >= threshold
-    for finer in (
-        {"threshold": threshold / 10},
-        {"max_connections": 64},
-        {"max_connections": None},
-    ):
-        found = traced(scene, strategy, **finer).gain
-        assert found[above].tolist() == here[above].tolist()
-        assert (found >= here).all()
 
 
 def slope(item: HapticObject, epsilon: float, extent: float) -> float:
@@ -81,7 +60,7 @@ def slope(item: HapticObject, epsilon: float, extent: float) -> float:
     return float(np.abs(np.diff(levels) / np.diff(along)).max())
 
 
-def check_steady(scene: HapticScene, strategy: Strategy, seed: int) -> None:
+def check_steady(scene: HapticScene, seed: int) -> None:
     """Contacts, sources and listeners that move by 2 mm change a level by no more than the
     functions along its way do, and 0.1 dB."""
     random = np.random.default_rng(seed)
@@ -117,7 +96,7 @@ def check_steady(scene: HapticScene, strategy: Strategy, seed: int) -> None:
             for item in scene.listeners
         ),
     )
-    before, after = (traced(item, strategy, threshold=0.0) for item in (scene, other))
+    before, after = (traced(item) for item in (scene, other))
     graph = graph_of_scene(scene)
     slopes = slopes_of(graph)
     for pair in itertools.product(range(len(scene.sources)), range(len(scene.listeners))):
@@ -155,25 +134,16 @@ def slopes_of(graph: HapticGraph) -> list[float]:
     return found
 
 
-def check_local(
-    scene: HapticScene,
-    strategy: Strategy,
-    far: str,
-    place: tuple[float, float, float],
-    most: float = STILL,
-) -> None:
+def check_local(scene: HapticScene, far: str, place: tuple[float, float, float]) -> None:
     """A pebble of stone that touches only the object ``far``, at a ``place`` away from all ways,
-    changes nothing, or an energy balance by less than ``most`` decibels."""
+    changes nothing."""
     pebble = HapticObject("a pebble", 0.1, 0.9, physical("stone", (0.1, 0.1, 0.1)))
     touching = Contact((far, pebble.name), (place, place))
     other = dataclasses.replace(
         scene, objects=(*scene.objects, pebble), contacts=(*scene.contacts, touching)
     )
-    before, after = (traced(item, strategy).gain for item in (scene, other))
-    if strategy is Strategy.AUTO:
-        assert before.tobytes() == after.tobytes()
-    else:
-        assert decibels(before, after).max(initial=0.0) < most
+    before, after = (traced(item).gain for item in (scene, other))
+    assert before.tobytes() == after.tobytes()
 
 
 def bodies_moved(
@@ -247,11 +217,7 @@ def changes_of_moved_bodies(scene: HapticScene, still: frozenset[str], seed: int
         ]
         both = contacts[0].keys() & contacts[1].keys()
         gains = [
-            traced(
-                dataclasses.replace(item, contacts=tuple(own[key] for key in sorted(both))),
-                Strategy.AUTO,
-                threshold=0.0,
-            ).gain
+            traced(dataclasses.replace(item, contacts=tuple(own[key] for key in sorted(both)))).gain
             for item, own in zip(pair, contacts, strict=True)
         ]
         found.append(decibels(*gains))
@@ -324,5 +290,5 @@ def pile_scene(seed: int, count: int = 24) -> HapticScene:
         (*boxes, ground),
         tuple(contacts),
         tuple(Source(f"s{k}", names[k], inside[k]) for k in chosen[:3]),
-        tuple(Listener(f"l{k}", names[k], inside[k]) for k in chosen[3:13]),
+        tuple(Listener(f"l{k}", names[k], inside[k], radius=0.0) for k in chosen[3:13]),
     )

@@ -66,10 +66,7 @@ def explicit_graph(scene: Any, result: Any) -> tuple[networkx.DiGraph, list[list
     targets = [("listener", column) for column in range(len(result.listeners))]
     for node, item in zip(targets, result.listeners, strict=True):
         places.setdefault(number[item.object], []).append((node, np.array(item.position)))
-    reach = {
-        node: item.radius if item.extent == "strongest" else 0.0
-        for node, item in zip(targets, result.listeners, strict=True)
-    }
+    reach = {node: item.radius for node, item in zip(targets, result.listeners, strict=True)}
     for index, nodes in places.items():
         obj = bpy.data.objects[owner(result.objects[index])]
         speed = obj.haptics.wave_speed
@@ -80,7 +77,7 @@ def explicit_graph(scene: Any, result: Any) -> tuple[networkx.DiGraph, list[list
             graph.add_edge(
                 a,
                 b,
-                loss=loss(obj, distance, scene.haptics.epsilon),
+                loss=loss(obj, distance, EPSILON),
                 delay=distance / speed if speed else 0.0,
             )
     graph.add_nodes_from([*itertools.chain(*roots), *targets])
@@ -89,15 +86,19 @@ def explicit_graph(scene: Any, result: Any) -> tuple[networkx.DiGraph, list[list
     return ways, roots, targets
 
 
+EPSILON = 0.1
+"""The paper's least attenuation [1/m]."""
+
+
 def gains(scene: Any, result: Any) -> tuple[np.ndarray, np.ndarray]:
     """Gain without amplitude, and delay, of every source at every listener (s, l), by the best
-    path; 0 below the scene's threshold."""
+    path; 0 below -120 dB."""
     graph, roots, targets = explicit_graph(scene, result)
     gain, delay = np.zeros((2, len(roots), len(targets)))
     for row, nodes in enumerate(roots):
         losses, paths = networkx.multi_source_dijkstra(graph, set(nodes), weight="loss")
         for column, target in enumerate(targets):
-            if target in losses and math.exp(-losses[target]) >= scene.haptics.threshold:
+            if target in losses and math.exp(-losses[target]) > 1e-6:
                 gain[row, column] = math.exp(-losses[target])
                 delay[row, column] = sum(
                     graph.edges[step]["delay"] for step in itertools.pairwise(paths[target])

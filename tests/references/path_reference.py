@@ -4,6 +4,7 @@ simple paths, and plain recursion."""
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator
 from random import Random
 
@@ -46,10 +47,6 @@ OTHER: tuple[ModulationFunction, ...] = (
     Linear(range=3.0),
     Expression(expression="x / (1 + d)"),
     Expression(expression="0.9 * exp(-d**2)"),
-)
-AMPLIFYING: tuple[ModulationFunction, ...] = (
-    Constant(gain_value=1.5),
-    Expression(expression="x * (1.2 - 0.1 * d)"),
 )
 
 
@@ -99,7 +96,7 @@ def scenes(
         "s", draw(st.sampled_from(names)), draw(place), signal=LOW, second_object=second_object
     )
     heard = tuple(
-        Listener(f"l{k}", draw(st.sampled_from(names)), draw(place))
+        Listener(f"l{k}", draw(st.sampled_from(names)), draw(place), radius=0.0)
         for k in range(draw(st.integers(1, listeners)))
     )
     return HapticScene(objects, tuple(contacts), (source,), heard)
@@ -160,6 +157,22 @@ def meets(gains: list[float], max_connections: int | None, threshold: float) -> 
     return all(product >= least for product in itertools.accumulate(gains, lambda a, b: a * b))
 
 
+def least_cost(graph: HapticGraph, row: int, column: int) -> float:
+    """The least cost of a walk, by NetworkX's Dijkstra on a graph with two states of each node: its
+    object has just been entered through it, or it has been arrived at inside."""
+    states = networkx.DiGraph()
+    for a, b, edge in graph.to_networkx().edges(data=True):
+        if edge["gain"] > 0:
+            ends = ((a, 0), (b, 1)) if edge["connection"] == "intra" else ((a, 1), (b, 0))
+            states.add_edge(*ends, cost=-math.log(edge["gain"]))
+    target = int(graph.listener_nodes[column]), 1
+    roots = {(node, 0) for node in graph.sources[row].nodes} & set(states)
+    if not roots or target not in states:
+        return math.inf
+    costs = networkx.multi_source_dijkstra_path_length(states, roots, weight="cost")
+    return float(costs.get(target, math.inf))
+
+
 REFERENCES: dict[str, Callable[..., Iterator[tuple[tuple[int, ...], list[float]]]]] = {
     "networkx": networkx_paths,
     "recursion": recursive_paths,
@@ -216,7 +229,7 @@ def connected_scene(
         second_object=names[1] if random.random() < 0.2 else None,
     )
     heard = tuple(
-        Listener(f"l{k}", random.choice([names[-1], random.choice(names)]), place())
+        Listener(f"l{k}", random.choice([names[-1], random.choice(names)]), place(), radius=0.0)
         for k in range(random.randint(1, listeners))
     )
     return HapticScene(objects, tuple(contacts), (source,), heard)

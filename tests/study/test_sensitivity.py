@@ -33,7 +33,7 @@ def test_nothing_of_the_ride_is_tuned(mine_ride):
             (preset.kappa, preset.rho), rel=1e-6
         )
     assert {obj.haptics.material.name for obj in solid} == {material.title for material in CHOSEN}
-    assert mine_ride.haptics.strategy == "auto"
+    assert mine_ride.haptics.strategy == "best_path"
     assert len(mine_ride.haptics.transmission_table.items) == 0
 
 

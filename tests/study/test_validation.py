@@ -1,4 +1,4 @@
-"""The validation page: its solver against closed forms, its asked limits, and that the page in the
+"""The validation page: its asked limits, and that the page in the
 documentation is this one."""
 
 import importlib.util
@@ -6,12 +6,10 @@ import math
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 import pytest
 from haptic_tracing.core.scene.functions import Physical
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.study.validation import (
-    PLATES,
     Point,
     Series,
     all_series,
@@ -19,26 +17,8 @@ from haptic_tracing.study.validation import (
     levels,
     unfitted,
 )
-from haptic_tracing.study.validation import plate_energies as solved
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-
-
-def by_hand(plates, frequency):
-    """The equations of statistical energy analysis as they stand in books, solved by NumPy; plate
-    speeds from bending stiffness."""
-    stiffness, mass = 210e9 * 3e-3**3 / (12 * (1 - 0.3**2)), 7800 * 3e-3
-    group_speed = 2 * (stiffness / mass) ** 0.25 * math.sqrt(2 * math.pi * frequency)
-    coupling = group_speed * plates.transmission / (2 * math.pi**2 * frequency)
-    n = plates.count
-    matrix = np.full((n, n), -coupling) + np.eye(n) * (0.01 + n * coupling)
-    return np.linalg.solve(2 * math.pi * frequency * matrix, np.eye(n)[0])
-
-
-@pytest.mark.parametrize("plates", PLATES, ids=lambda one: one.name)
-def test_the_solver_agrees_with_the_books_equations_to_a_millionth(plates):
-    for frequency in plates.printed:
-        assert solved(plates, frequency) == pytest.approx(by_hand(plates, frequency), rel=1e-6)
 
 
 def test_what_is_asked_holds_and_misses_are_explained():
@@ -46,8 +26,6 @@ def test_what_is_asked_holds_and_misses_are_explained():
     for name in (
         "Construction machines",
         "Outside a machine hall",
-        "Two plates, L joint",
-        "Plate and cylinder",
         "Concrete in a building, 200 mm",
     ):
         assert verdicts[name].verdict == "agrees", name
@@ -102,7 +80,7 @@ def test_the_documentation_has_this_page(tmp_path, capsys):
     writer = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(writer)
     writer.main(tmp_path)
-    assert "agrees   printed     Two plates, L joint" in capsys.readouterr().out
+    assert "agrees   fit         Construction machines" in capsys.readouterr().out
     for name in ("validation.md", "pictures/validation.svg", "pictures/body.svg"):
         written = (tmp_path / name).read_text(encoding="utf-8")
         assert written == (DOCS / name).read_text(encoding="utf-8"), name

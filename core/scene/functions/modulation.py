@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...arrays import BoolArray, FloatArray
-from ...declaration import Declared, declared, number, numbers, text
+from ...declaration import Declared, declared, number, numbers, share, text
 from ...forms import JsonObject
 from ...frozen import frozen
 from ..bands import BAND_COUNT
@@ -103,8 +103,6 @@ class ModulationFunction(Declared):
     """The function's name in menus."""
     about: ClassVar[str] = ""
     """What it computes, as the menu says."""
-    may_amplify: ClassVar[bool] = False
-    """Whether gains of another form than `log_linear` may exceed 1."""
     spectrum: Spectrum = field(default_factory=Spectrum)
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear | None:
@@ -188,9 +186,7 @@ class Constant(ModulationFunction):
     """The same gain over any distance."""
 
     name, label, about = "constant", "Constant", "The same gain over any distance"
-    gain_value: float = number(
-        0.5, "Gain", "The gain over any distance", 0.0, soft=(0.0, 1.0), key="gain"
-    )
+    gain_value: float = share(0.5, "Gain", "The gain over any distance", key="gain")
 
     def log_linear(self, kappa: float, rho: float, epsilon: float) -> LogLinear:
         return self.gain_value, 0.0
@@ -281,7 +277,6 @@ class Expression(ModulationFunction):
     """
 
     name, label, about = "expression", "Expression", "Your own formula of x, d, kappa, rho, epsilon"
-    may_amplify: ClassVar[bool] = True
     expression: str = text(
         "x * exp(-0.2 * d)",
         "Expression",
@@ -307,7 +302,7 @@ class Expression(ModulationFunction):
         epsilon: float,
         contact: OnContact = None,
     ) -> FloatArray:
-        """Raises ValueError if the formula gives a negative or non-finite gain."""
+        """At most 1. Raises ValueError if the formula gives a negative or non-finite gain."""
         values = {"kappa": kappa, "rho": rho, "epsilon": epsilon, **_NO_CONTACT, **(contact or {})}
         values["force"] = np.nan_to_num(values["force"], nan=1.0)
         gains = self.compiled.evaluate(np.asarray(distance, dtype=np.float64), values)
@@ -321,7 +316,7 @@ class Expression(ModulationFunction):
                 f"expression: {self.expression!r} is negative at d = "
                 f"{_first(distance, gains < 0):g} m; a gain is 0 or more"
             )
-        return gains
+        return np.minimum(gains, 1.0)
 
 
 _NO_CONTACT: Mapping[str, Value] = {"area": 0.0, "depth": 0.0, "angle": 0.0, "force": 1.0}

@@ -32,7 +32,7 @@ def _draw(panel):
 
 def _said(source):
     layout = recording_layout.RecordingLayout()
-    finding = formula.draw_finding(layout, source, check_expression(source, 0.1, 0.9, 0.1))
+    finding = formula.draw_finding(layout, source, check_expression(source))
     return finding, layout.labels
 
 

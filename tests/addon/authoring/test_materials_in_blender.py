@@ -226,7 +226,7 @@ def test_physical_materials_follow_from_preset_and_size(add_box, traced):
             bpy.context.scene.collection.objects.link(empty)
             empty.parent, empty.location = box, (x / 6, 0, 0)  # the beam is scaled by 6
             getattr(empty.haptics, role).enabled = True
-            empty.haptics.listener.extent = "none"
+            empty.haptics.listener.radius = 0.0
     assert bpy.ops.haptic.set_model() == {"FINISHED"}
     result = traced()
     names = (

@@ -73,7 +73,7 @@ def test_both_directions_are_one_step_of_undo(body):
         bpy.ops.ed.undo()
         assert _model() == before
         bpy.ops.ed.redo()
-        assert _model() == ("auto" if rules else "as_in_the_paper", function, rules)
+        assert _model() == ("best_path" if rules else "as_in_the_paper", function, rules)
 
 
 def _model():

@@ -142,7 +142,7 @@ def test_make_haptic_spreads_as_the_body_is(scene, add_box, add_empty, traced, n
         for end, carrier in zip(ends, (made[0], made[-1]), strict=True):
             end.parent, end.matrix_parent_inverse = carrier, carrier.matrix_world.inverted()
         ends[0].haptics.source.enabled = ends[1].haptics.listener.enabled = True
-        ends[0].haptics.source.frequency, ends[1].haptics.listener.extent = BAND_CENTRES[0], "none"
+        ends[0].haptics.source.frequency, ends[1].haptics.listener.radius = BAND_CENTRES[0], 0.0
         bpy.ops.object.select_all(action="DESELECT")
         for obj in made:
             obj.select_set(True)

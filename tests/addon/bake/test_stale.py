@@ -72,8 +72,8 @@ def _remove(scene):
     bpy.data.objects.remove(bpy.data.objects["hand"])
 
 
-def _threshold(scene):
-    scene.haptics.threshold = 0.01
+def _least_energy(scene):
+    scene.haptics.minimum_energy = 0.01
 
 
 def _rate(scene):
@@ -292,8 +292,8 @@ def test_what_deforms_and_drives_is_named(baked_with_deformers, change, words):
 
 def test_animated_settings_are_not_changes(shaken):
     for frame, value in ((1, 0.001), (20, 0.1)):
-        shaken.haptics.threshold = value
-        shaken.haptics.keyframe_insert("threshold", frame=frame)
+        shaken.haptics.minimum_energy = value
+        shaken.haptics.keyframe_insert("minimum_energy", frame=frame)
     bpy.ops.haptic.bake()
     for frame in (1, 9, 20):
         shaken.frame_set(frame)
@@ -338,7 +338,7 @@ def test_other_gains_are_noticed_whatever_their_cause(baked, settle):
         (_parent, "'foot': its parent, constraints or modifiers changed"),
         (_add, "'other' was added"),
         (_remove, "'hand' was removed"),
-        (_threshold, "threshold was 0.001, is 0.01"),
+        (_least_energy, "threshold was 0.001, is 0.01"),
         (_rate, "the frame rate changed"),
         (_gravity, "gravity changed"),
         (_range, "frames 1 to 99 are played, 1 to 24 were baked"),

@@ -75,7 +75,7 @@ def read_file(name: str, content: bytes, folder: Path) -> bool:
 
 def read_formula(content: bytes, folder: Path) -> bool:
     text = content.decode("utf-8", "surrogateescape")
-    check_expression(text, 0.1, 0.9, 0.1, on_contact=True)
+    check_expression(text, on_contact=True)
     try:
         function = Expression(expression=text)
         gains = function.gain(np.linspace(0.0, 10.0, 7), 0.1, 0.9, 0.1)
@@ -257,7 +257,7 @@ FILES = {
     "track.hjif": (CORPUS / "good.hjif").read_bytes(),
 }
 LINES = (
-    "propagate scene.json --strategy all_paths --tolerance 0.1",
+    "propagate scene.json --strategy as_in_the_paper --threshold 0.1",
     "propagate scene.json --max-connections 3 --threshold 0.01 --felt",
     "propagate scene.json --contacts",
     "convert track.hjif out.wav",
@@ -273,7 +273,7 @@ frames = [1, 12]
 modes = ["HT", "SD"]
 seeds = [1, 2, 3]
 [settings]
-"scene.haptics.threshold" = [0.0, 0.001]
+"scene.haptics.minimum_energy" = [0.0, 0.001]
 [materials]
 Floor = ["concrete", "softwood"]
 [random]
@@ -299,7 +299,9 @@ def small_part() -> bytes:
     sources = Source("saw", "box", (0.0, 0.0, 0.0), 0.3), Source("hit", "box", (0.0, 0.0, 0.0), 0.1)
     gains = Propagation.of_gains(np.full((2, 1), 0.5), None, np.full((2, 1), 0.01))
     frames = tuple(
-        part_file.HeardFrame(n, n / 24, sources, (Listener("hand", "box", (0.0, 0.0, 0.0)),), gains)
+        part_file.HeardFrame(
+            n, n / 24, sources, (Listener("hand", "box", (0.0, 0.0, 0.0), radius=0.0),), gains
+        )
         for n in (1, 2, 3)
     )
     origin = part_file.Origin(

@@ -41,7 +41,7 @@ def loudspeaker(monkeypatch, scene):
 
 def bodies(*parts):
     """Listeners at body parts."""
-    return [Listener(part, part, body_part=part) for part in parts]
+    return [Listener(part, part, body_part=part, radius=0.0) for part in parts]
 
 
 def heard(device, seconds):

@@ -55,8 +55,8 @@ def played(frames, amplitude=0.5, frequency=100.0, distance=1.0, settings=None, 
     )
     sources = (Source("hum", "plank", (0, 0, 0), amplitude, signal=Sine(frequency)),)
     listeners = (
-        Listener("hand", "plank", (distance, 0, 0), "hand.L", **listener),
-        Listener("eye", "moon"),
+        Listener("hand", "plank", (distance, 0, 0), "hand.L", **listener, radius=0.0),
+        Listener("eye", "moon", radius=0.0),
     )
     tracer, history = Tracer(), History()
     for number in range(frames):
@@ -160,7 +160,7 @@ def test_a_still_shows_an_impact_of_its_own_frame():
     blow = Source(
         "blow", "plank", (0, 0, 0), 0.5, SourceKind.TEMPORARY, Sine(100.0), onset=19 / 25 + 0.039
     )
-    listeners = (Listener("hand", "plank", (1, 0, 0)),)
+    listeners = (Listener("hand", "plank", (1, 0, 0), radius=0.0),)
     tracer, history = Tracer(), History()
     for number in range(21):
         sources = (blow,) if number == 20 else ()
@@ -229,14 +229,12 @@ def test_every_body_part_is_on_a_figure_and_mirrored():
 
 
 def test_compared_modes_are_those_that_tracing_gives():
-    settings = Settings(localise=0.5)
+    settings = Settings()
     result, history = played(3, settings=settings)
     frame = replace(traced(result, history), settings=settings)
     gains = {mode: mode_amplitudes(mode, frame) for mode in Mode}
     for mode, gain in gains.items():
-        assert gain == pytest.approx(
-            0.5 * propagate(result.graph, Settings(mode=mode, localise=0.5)).gain[0]
-        )
+        assert gain == pytest.approx(0.5 * propagate(result.graph, Settings(mode=mode)).gain[0])
     assert gains[Mode.MN].tolist() == [0.5, 0.5]
 
 
@@ -245,7 +243,7 @@ def test_frames_that_nobody_hears_are_left_out_and_rendered_when_asked_for():
     it, and in those that follow."""
     objects, listeners = (
         (HapticObject("plank", 0.0, 1.0, Exponential(alpha=0.2)),),
-        (Listener("hand", "plank", (1.0, 0, 0)),),
+        (Listener("hand", "plank", (1.0, 0, 0), radius=0.0),),
     )
     sources = (Source("hum", "plank", (0, 0, 0), 0.5, signal=Sine(100.0)),)
     tracer, results = Tracer(), []

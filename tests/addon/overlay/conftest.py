@@ -64,7 +64,7 @@ def random_scene(seed: int, settings: Settings | None = None) -> HapticScene:
         for k in range(int(random.integers(0, 4)))
     )
     listeners = tuple(
-        Listener(f"l{k}", f"o{random.integers(count)}", place())
+        Listener(f"l{k}", f"o{random.integers(count)}", place(), radius=0.0)
         for k in range(int(random.integers(0, 5)))
     )
     return HapticScene(objects, contacts, sources, listeners, settings or Settings())
@@ -85,11 +85,10 @@ BRIDGE = HapticScene(
     ),
     sources=(Source("truck", "deck", (-1.5, 0, 1)), Source("siren", "deck", (-0.5, 0, 1), 0.0)),
     listeners=(
-        Listener("driver", "deck", (0.2, 0, 1)),
-        Listener("walker", "ground", (-1, 0, -1)),
-        Listener("hermit", "hut", (-1.2, 0, -1.6)),
+        Listener("driver", "deck", (0.2, 0, 1), radius=0.0),
+        Listener("walker", "ground", (-1, 0, -1), radius=0.0),
+        Listener("hermit", "hut", (-1.2, 0, -1.6), radius=0.0),
     ),
-    settings=Settings(threshold=0.01),
 )
 """The truck reaches the driver and, over pier and ground, the walker; nothing reaches the
 hermit."""
@@ -110,7 +109,6 @@ def camera(scene: Any) -> Iterator[Any]:
     scene.collection.objects.link(obj)
     obj.location, obj.rotation_euler = (0, -8, 0), (np.pi / 2, 0, 0)
     scene.camera = obj
-    scene.haptics.threshold = BRIDGE.settings.threshold
     bpy.context.view_layer.update()
     yield obj
 

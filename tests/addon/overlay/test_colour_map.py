@@ -66,18 +66,16 @@ def test_order_is_seen_by_the_colour_blind(kind):
     assert np.linalg.norm(np.diff(tenths, axis=0), axis=1).min() > 0.02
 
 
-@given(st.floats(0, 1), st.floats(1e-6, 0.3))
-def test_place_is_linear_in_decibels(gain, threshold):
-    scale = AmplitudeScale.of_threshold(threshold)
-    level = 20 * math.log10(gain) if gain else -math.inf
-    assert scale.place(np.array(gain)) == pytest.approx(
-        min(1, max(0, 1 - level / scale.floor)), abs=1e-9
-    )
-
-
 @given(st.floats(0, 1))
-def test_ticks_are_few_round_and_on_the_scale(threshold):
-    scale = AmplitudeScale.of_threshold(threshold)
+def test_place_is_linear_in_decibels(gain):
+    level = 20 * math.log10(gain) if gain else -math.inf
+    place = AmplitudeScale().place(np.array(gain))
+    assert place == pytest.approx(min(1, max(0, 1 + level / 60)), abs=1e-9)
+
+
+@given(st.floats(-120, -10))
+def test_ticks_are_few_round_and_on_the_scale(floor):
+    scale = AmplitudeScale(floor)
     ticks = scale.ticks()
     assert ticks[-1] == 0
     assert 3 <= len(ticks) <= 7
@@ -86,7 +84,7 @@ def test_ticks_are_few_round_and_on_the_scale(threshold):
 
 
 def test_gain_above_one_keeps_the_last_colour():
-    scale = AmplitudeScale.of_threshold(0.001)
+    scale = AmplitudeScale()
     assert np.array_equal(scale.colour(np.array([1.0, 7.0])), colour_table()[[-1, -1]])
 
 

@@ -23,7 +23,7 @@ def pair(scene, add_box, add_empty, traced):
     drill = add_empty("drill", (-0.4, 0, 0), bpy.data.objects["left"])
     drill.haptics.source.enabled, drill.haptics.source.amplitude = True, 0.5
     hand = add_empty("hand", (0.4, 0, 0), bpy.data.objects["right"])
-    hand.haptics.listener.enabled, hand.haptics.listener.extent = True, "none"
+    hand.haptics.listener.enabled, hand.haptics.listener.radius = True, 0.0
     traced()
     return scene
 

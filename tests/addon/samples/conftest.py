@@ -71,7 +71,7 @@ def gain_along() -> Callable[..., float]:
         for k, name in enumerate(path):
             haptics = scene.objects[name].haptics
             distance = float(np.linalg.norm(places[2 * k + 1] - places[2 * k]))
-            if k == len(path) - 1 and result.listeners[listener].extent == "strongest":
+            if k == len(path) - 1:
                 distance = max(0.0, distance - result.listeners[listener].radius)
             if haptics.function == "exponential":
                 product *= np.exp(-haptics.alpha * distance)
@@ -79,7 +79,7 @@ def gain_along() -> Callable[..., float]:
                 product *= measured_gain(haptics, distance, frequency)
             else:
                 factor = (1 - haptics.kappa) * haptics.rho
-                product *= factor * np.exp(-max(factor, scene.haptics.epsilon) * distance)
+                product *= factor * np.exp(-max(factor, 0.1) * distance)
         flesh = [scene.objects[name].haptics.material.name == "Flesh" for name in path]
         return float(product * 0.5 ** (np.diff(flesh) != 0).sum())
 

@@ -48,7 +48,7 @@ def use_paper(scene: Any) -> None:
 
     with bpy.context.temp_override(scene=scene):
         bpy.ops.haptic.set_model(model="PAPER")
-    scene.haptics.strategy = "auto"
+    scene.haptics.strategy = "best_path"
     for obj in scene.objects:
         obj.haptics.listener.limiter = False  # it comes late by what it looks ahead
     if scene.name.startswith("Rails"):  # too many objects on the way

@@ -14,12 +14,10 @@ from haptic_tracing.addon.view.render_data import Options, render_data
 from haptic_tracing.core.diagnosis.connections import path_steps
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import objects_on
-from haptic_tracing.core.scene.values import Mode, Strategy
+from haptic_tracing.core.scene.values import Mode
 from haptic_tracing.sample_scenes import SAMPLES
 from level_properties import (
-    WELL_POSED,
     check_bounded,
-    check_cut_offs,
     check_local,
     check_shown,
     check_steady,
@@ -43,7 +41,7 @@ def play(build, results):
     def played(name):
         first, last, count = short_parts.PARTS[name]
         scene = build(name, count)
-        scene.haptics.strategy = "auto"
+        scene.haptics.strategy = "best_path"
         for result in results(scene, first, last):
             found = result
             if result.impacts:
@@ -86,14 +84,12 @@ def test_levels_compare_and_are_those_of_the_ways_shown(play, name):
         key=lambda item: float(np.prod(np.ptp(item.shape.local_bounds, axis=0))),
     )
     x, y, z = largest.pose.position
-    for strategy in WELL_POSED:
-        check_bounded(haptic, strategy)
-        check_cut_offs(haptic, strategy)
-        check_steady(haptic, strategy, 1)
-        for away in (20.0, 60.0, 200.0):
-            check_local(haptic, strategy, largest.name, (x - away, y, z), LOCAL)
+    check_bounded(haptic)
+    check_steady(haptic, 1)
+    for away in (20.0, 60.0, 200.0):
+        check_local(haptic, largest.name, (x - away, y, z))
     graph = graph_of_scene(haptic)
-    check_shown(graph, traced(haptic, Strategy.AUTO), haptic.settings.threshold)
+    check_shown(graph, traced(haptic), 1e-6)
     ways = {pair: nodes for pair, nodes in result.propagation.best_path.items() if nodes}
     assert set(ways) == set(map(tuple, np.argwhere(result.amplitudes > 0).tolist()))
     steps, gain, _ = path_steps(result, result.graph, Mode.HT, ways)

@@ -9,5 +9,5 @@ OBJECTS = [
 SCENE = {
     "objects": OBJECTS,
     "sources": [{"name": "drill", "object": "ground", "position": [2, 1, 0]}],
-    "listeners": [{"name": "hand", "object": "crate", "position": [0, 0, 1]}],
+    "listeners": [{"name": "hand", "object": "crate", "position": [0, 0, 1], "radius": 0}],
 }

@@ -318,7 +318,13 @@ def test_devices_fall_silent(tmp_path, ending):
     loud = {
         **SCENE,
         "listeners": [
-            {"name": "hand", "object": "ground", "position": [2, 1, 0], "body_part": "hand.L"}
+            {
+                "name": "hand",
+                "object": "ground",
+                "position": [2, 1, 0],
+                "body_part": "hand.L",
+                "radius": 0,
+            }
         ],
     }
     (tmp_path / "loud.json").write_text(

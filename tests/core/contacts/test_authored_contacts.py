@@ -51,7 +51,7 @@ def test_a_tracer_follows_what_is_authored_from_frame_to_frame():
     bodies = tuple(Body(name, Box((1, 1, 1))) for name in ("low", "top"))
     transforms = np.stack([np.eye(4), np.eye(4)])
     transforms[1, 2, 3] = 1.0
-    source, listener = Source("s", "low"), Listener("l", "top")
+    source, listener = Source("s", "low"), Listener("l", "top", radius=0.0)
     dull = function_from_dict(
         {"function": "constant", "gain": 0.5, "band_gains": [1, 1, 1, 0.5, 0.25, 0]}
     )

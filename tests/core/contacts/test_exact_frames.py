@@ -28,7 +28,7 @@ def frame(number, exact):
         time=number / 24,
         objects=OBJECTS,
         sources=(Source("motor", "cart", tuple(place.tolist())),),
-        listeners=(Listener("hand", "load", top),),
+        listeners=(Listener("hand", "load", top, radius=0.0),),
         bodies=BODIES,
         transforms=transforms,
         exact=exact,

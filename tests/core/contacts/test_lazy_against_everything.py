@@ -70,7 +70,8 @@ def frames(seed, count, settings, special=False, rows=ROWS):
         transforms = np.tile(np.eye(4), (len(bodies), 1, 1))
         transforms[:, :3, 3] = place.astype(np.float32)
         listeners = tuple(
-            Listener(f"l{k}", objects[b].name, tuple(place[b])) for k, b in enumerate(ears)
+            Listener(f"l{k}", objects[b].name, tuple(place[b]), radius=0.0)
+            for k, b in enumerate(ears)
         )
         active = sources[:1] if silent <= number < silent + 8 else sources
         yield Frame(
@@ -156,7 +157,7 @@ def test_contacts_on_dead_ends_are_left_out_where_only_paths_count():
         0.0,
         tuple(HapticObject(name, 0.3, 0.7) for name in names),
         (Source("hammer", "drill", places[1]),),
-        (Listener("hand", "cup", places[3]),),
+        (Listener("hand", "cup", places[3], radius=0.0),),
         bodies=tuple(
             Body(name, Box(size), motion="static") for name, size in zip(names, sizes, strict=True)
         ),

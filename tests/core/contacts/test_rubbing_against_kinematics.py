@@ -57,7 +57,7 @@ def play(settings, shape, poses, mass=20.0, floor=None, first=0, lazy=False, lay
         transforms = np.stack(
             [poses[number], placed((0, 0, -0.5)) if floor is None else floor[number]]
         )
-        listeners = (Listener("hand", "crate", tuple(transforms[0, :3, 3])),)
+        listeners = (Listener("hand", "crate", tuple(transforms[0, :3, 3]), radius=0.0),)
         exact = number % EXACT_FRAMES == 0
         frame = Frame(
             number,

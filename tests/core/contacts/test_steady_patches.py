@@ -73,7 +73,9 @@ def leaning(seed: int, count: int = 6) -> HapticScene:
         tuple(objects),
         (),
         tuple(Source(f"s{k}", f"block {k}", places[f"block {k}"]) for k in range(count)),
-        tuple(Listener(f"l{k}", f"plank {k}", places[f"plank {k}"]) for k in range(count)),
+        tuple(
+            Listener(f"l{k}", f"plank {k}", places[f"plank {k}"], radius=0.0) for k in range(count)
+        ),
     )
 
 
@@ -106,7 +108,7 @@ def storeys(seed: int) -> HapticScene:
         tuple(objects),
         (),
         tuple(Source(f"s{k}", f"crate 0 {k}", places[f"crate 0 {k}"]) for k in range(3)),
-        tuple(Listener(f"l {name}", name, place) for name, place in places.items()),
+        tuple(Listener(f"l {name}", name, place, radius=0.0) for name, place in places.items()),
     )
 
 
@@ -319,7 +321,9 @@ def tipped(
         ),
         (),
         (Source("s", "body", (0.0, 0.0, 0.7)),),
-        tuple(Listener(f"l{k}", "floor", tuple(place)) for k, place in enumerate(places)),
+        tuple(
+            Listener(f"l{k}", "floor", tuple(place), radius=0.0) for k, place in enumerate(places)
+        ),
     )
 
 

@@ -12,7 +12,7 @@ from haptic_tracing.command_line import main
 SCENE: dict[str, Any] = {
     "format": "haptic-scene",
     "version": "1.1",
-    "settings": {"strategy": "auto", "threshold": 0.001},
+    "settings": {"strategy": "best_path", "threshold": 0.001},
     "rules": {"tolerance": 0.01},
     "objects": [
         {
@@ -34,7 +34,13 @@ SCENE: dict[str, Any] = {
         }
     ],
     "listeners": [
-        {"name": "seat", "object": "bench", "position": [1, 0, 0.4], "body_part": "hips"}
+        {
+            "name": "seat",
+            "object": "bench",
+            "position": [1, 0, 0.4],
+            "body_part": "hips",
+            "radius": 0,
+        }
     ],
     "frame_rate": 24,
     "frame_start": 1,
@@ -296,12 +302,12 @@ MISTAKES: dict[str, Mistake] = {
     "strategy unknown": Mistake(
         ("settings", "strategy"),
         "best",
-        '/settings/strategy: must be "auto" or "as_in_the_paper" or "best_path" or "all_paths" or "energy_balance", got "best"',
+        '/settings/strategy: must be "best_path" or "as_in_the_paper", got "best"',
     ),
     "setting misspelt": Mistake(
         ("settings", "strategy"),
         Renamed("stratgy"),
-        "/settings/stratgy: unknown key, did you mean 'strategy'?; known are mode, strategy, max_connections, threshold, epsilon, tolerance, localise",
+        "/settings/stratgy: unknown key, did you mean 'strategy'?; known are mode, strategy, max_connections, threshold, epsilon",
     ),
     "threshold above one": Mistake(
         ("settings", "threshold"), 2, "/settings/threshold: must be at most 1, got 2"

@@ -23,7 +23,7 @@ TRACKS = Tracks(
 )
 SCENE = HapticScene(
     objects=(HapticObject("ground", 0.2, 0.9),),
-    settings=Settings(mode="SD", strategy="energy_balance", threshold=0.0125),
+    settings=Settings(mode="SD", strategy="as_in_the_paper", threshold=0.0125),
 )
 
 
@@ -43,7 +43,7 @@ def test_every_format_says_where_it_comes_from(tmp_path, name):
     files = registry.write(name, export, tmp_path, options).files
     digest = digest_of(haptic_scene.scene_to_dict(SCENE))
     texts = [path.read_bytes().decode("latin-1") for path in files]
-    wanted = ("Haptic Tracing", haptic_tracing.__version__, "energy_balance", "epsilon", digest)
+    wanted = ("Haptic Tracing", haptic_tracing.__version__, "as_in_the_paper", "epsilon", digest)
     for text in texts:
         assert [word in text for word in wanted] == [name not in WITHOUT] * len(wanted)
 
@@ -93,7 +93,7 @@ def test_the_paragraph_names_what_a_reader_needs_to_repeat_it():
         f"Haptic Tracing {haptic_tracing.__version__} from a scene of 1 object, 0 sources",
         export.provenance["scene"],
         "The mode was HT (Haptic Tracing: through touching objects",
-        "strategy Energy Balance",
+        "strategy As in the Paper",
         "ε = 0.1 1/m, paths ended below a gain of 0.0125)",
         "Objects within 10 mm touched. Collisions of 0.05 J or more were impacts",
         "Each listener's signal has 0.5 s at 8,000 Hz.",

@@ -102,9 +102,14 @@ def first_run():
             signal=Noise(),
         )
         seat = Listener(
-            "seat", "ground", (-1.0, 0.01 * number, 0.0), "upper_leg.L", gain=0.5 + 0.01 * number
+            "seat",
+            "ground",
+            (-1.0, 0.01 * number, 0.0),
+            "upper_leg.L",
+            gain=0.5 + 0.01 * number,
+            radius=0.0,
         )
-        listeners = (seat, Listener("lid", "crate.1", moved[2].pose.position))
+        listeners = (seat, Listener("lid", "crate.1", moved[2].pose.position, radius=0.0))
         transforms = np.array([pose_matrix(item.pose) for item in moved])
         results.append(
             tracer.step(
@@ -237,7 +242,7 @@ def small():
     scene = HapticScene(
         (HapticObject("ground", 0.2, 0.9), crate),
         sources=(Source("hammer", "ground"),),
-        listeners=(Listener("seat", "crate"),),
+        listeners=(Listener("seat", "crate", radius=0.0),),
     )
     touch = Contact(("ground", "crate"), ((0, 0, 0), (0, 0, 0)))
     impact = Source(
@@ -293,8 +298,8 @@ def test_objects_and_listeners_that_come_and_go(tmp_path):
             Source("motor", "ground", (1, 1, 0)),
             Source("drill", "crate", (0, 0, 1), amplitude=0.7),
         )[:count]
-        listeners = (Listener("foot", "ground", (-1, 0, 0)),) * (number != 7) + (
-            Listener("hand", "crate", (0.5, 0, 1)),
+        listeners = (Listener("foot", "ground", (-1, 0, 0), radius=0.0),) * (number != 7) + (
+            Listener("hand", "crate", (0.5, 0, 1), radius=0.0),
         ) * (count == 2)
         transforms = np.array([pose_matrix(item.pose) for item in objects])
         frame = Frame(
@@ -351,7 +356,7 @@ def test_objects_and_listeners_that_come_and_go(tmp_path):
             "/frames/2/objects/0/name: there is an object 'crate' already",
         ),
         (
-            {"listeners": [{"name": "ear", "object": "moon", "position": [0, 0, 0]}]},
+            {"listeners": [{"name": "ear", "object": "moon", "position": [0, 0, 0], "radius": 0}]},
             "/frames/2/listeners/0/object: there is no object 'moon'",
         ),
     ],

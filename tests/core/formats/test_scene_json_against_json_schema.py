@@ -193,8 +193,6 @@ some_settings = st.builds(
     max_connections=st.one_of(st.none(), st.integers(0, 1000)),
     threshold=unit,
     epsilon=unit,
-    tolerance=unit,
-    localise=unit,
 )
 some_object = {count: st.sampled_from(range(count)) for count in (2, 3, 4)}
 two_objects = {count: st.sampled_from(list(permutations(range(count), 2))) for count in (2, 3, 4)}

@@ -47,7 +47,7 @@ def pair(transmission, first=STEEL, second=RUBBER, **contact) -> HapticScene:
         (HapticObject("a", 0.5, 0.9, first), HapticObject("b", 0.5, 0.9, second)),
         (Contact(("a", "b"), (at, at), transmission, **contact),),
         (Source("s", "a", at),),
-        (Listener("l", "b", at),),
+        (Listener("l", "b", at, radius=0.0),),
     )
 
 
@@ -123,7 +123,7 @@ def standing(transmission, mass=5.0, motion=Motion.DYNAMIC) -> HapticScene:
         objects,
         (),
         (Source("s", "floor", (1.0, 0, 0)),),
-        (Listener("l", "box", (0, 0, 0.2)),),
+        (Listener("l", "box", (0, 0, 0.2), radius=0.0),),
         Settings(threshold=0),
     )
     rules = ContactSettings(

@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 from haptic_tracing.core.message import sentence
+from haptic_tracing.core.run_time import Scene
 from haptic_tracing.core.scene.functions import Expression, check_expression, excerpt
 from haptic_tracing.core.scene.functions.expression import MAX_LENGTH
+from haptic_tracing.core.scene.values import Contact, HapticObject
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 
 def _check(source, **contact):
-    return check_expression(source, 0.1, 0.9, 0.1, **contact)
+    return check_expression(source, **contact)
 
 
 @pytest.mark.parametrize(
@@ -54,10 +56,37 @@ def test_division_by_zero_is_found_without_running_it():
     assert "negative at" in sentence(_check("x * (1 - d)").message)
 
 
-def test_amplifying_is_noticed_but_usable():
-    finding = _check("x * (1 + d)")
-    assert finding.usable
-    assert "amplifies" in sentence(finding.message)
+@pytest.mark.parametrize(
+    ("formula", "words"),
+    [
+        ("x * (1 + d)", "1 at 0.001 m"),
+        ("x * kappa * 2", "2 at 0 m (κ 1, ρ 0)"),
+        ("x * min(1, 0.5 + d)", "rises to 0.501 at 0.001 m"),
+        ("0.5 * x * (1 + 0.5 * sin(d / 100))", "rises to"),
+        ("where(d > 999, 1.5, 1) * x", "1.5 at 1e+03 m"),
+    ],
+)
+def test_gains_that_exceed_1_or_rise_are_refused_with_object_and_place(formula, words):
+    assert words in sentence(_check(formula).message)
+    assert not _check(formula).usable
+    with pytest.raises(ValueError, match=r"^expression: .* m \(κ"):
+        HapticObject("o", 0.1, 0.9, Expression(expression=formula))
+    written = {"function": "expression", "expression": formula}
+    with pytest.raises(ValueError, match="/objects/0") as error:
+        Scene(objects=[{"name": "plate", "kappa": 0.1, "rho": 0.9, "propagation": written}])
+    assert words in str(error.value)
+
+
+def test_a_contact_may_rise_but_not_exceed_1():
+    contact = Contact(("a", "b"), ((0, 0, 0),) * 2, Expression(expression="min(1, 0.5 + d)"))
+    assert contact.transmission.gain(np.array([0.0, 9.0]), 0, 1, 0.1).tolist() == [0.5, 1.0]
+    with pytest.raises(ValueError, match=r"expression: .*2 at 0 m"):
+        Contact(("a", "b"), ((0, 0, 0),) * 2, Expression(expression="2 * x"))
+
+
+def test_what_exceeds_1_where_it_is_not_checked_counts_as_1():
+    late = Expression(expression="where(d > 2000, 3, 1) * x")
+    assert HapticObject("o", 0.1, 0.9, late).propagation.gain(np.array([3e3]), 0, 1, 0.1) == 1.0
 
 
 def test_contact_values_are_zero_inside_an_object():

@@ -256,7 +256,7 @@ def test_bands_of_a_body_follow_the_formula():
     scene = HapticScene(
         objects=(HapticObject("ground", *K0, propagation=function),),
         sources=(Source("drill", "ground", (0, 0, 0)),),
-        listeners=(Listener("foot", "ground", (4, 0, 0)),),
+        listeners=(Listener("foot", "ground", (4, 0, 0), radius=0.0),),
         settings=Settings(threshold=0.0),
     )
     result = propagate(graph_of_scene(scene), scene.settings)

@@ -6,10 +6,11 @@ from __future__ import annotations
 import itertools
 import math
 
+import numpy as np
 import pytest
 from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
-from haptic_tracing.core.propagation import propagate
+from haptic_tracing.core.propagation.best_path import best_paths
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.scene.measured import physical
 from haptic_tracing.core.scene.values import (
@@ -18,7 +19,6 @@ from haptic_tracing.core.scene.values import (
     HapticScene,
     Listener,
     Pose,
-    Settings,
     Source,
 )
 from hypothesis import given, settings
@@ -63,10 +63,9 @@ def level(
         (Source("s", objects[0].name),),
         (Listener("l", objects[-1].name, (size[0], 0, 0), radius=0.0),),
     )
-    result = propagate(
-        graph_of_scene(HapticScene(objects, contacts, *ends)), Settings(threshold=0.0)
-    )
-    return 20 * math.log10(result.gain[0, 0])
+    graph = graph_of_scene(HapticScene(objects, contacts, *ends))
+    cost, _, _ = best_paths(graph, np.ones((1, 1), dtype=np.bool_), math.inf).paths.sums(graph)
+    return -20 / math.log(10) * float(cost[0])
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

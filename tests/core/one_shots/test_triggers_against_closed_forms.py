@@ -32,7 +32,7 @@ from haptic_tracing.core.tracer import Frame, Tracer
 RATE = 24.0
 KNOCK = DecayingSine(120.0, 0.02)
 PLATE = HapticObject("plate", 0.2, 0.9, Identity())
-SKIN = Listener("skin", "plate", s_max=1.0)
+SKIN = Listener("skin", "plate", s_max=1.0, radius=0.0)
 G = 9.81
 
 
@@ -214,7 +214,7 @@ def test_on_being_hit_it_plays_at_the_blow_as_the_rule_of_the_two_says():
             time,
             moved,
             (bell,),
-            (Listener("skin", "ground"),),
+            (Listener("skin", "ground", radius=0.0),),
             bodies=bodies,
             transforms=np.array([pose_matrix(item.pose) for item in moved]),
         )
@@ -313,7 +313,7 @@ def front(frames, blast, decay=DECAY, rate=RATE):
     air = HapticObject("air", 0.3, 0.8, function, medium=True)
     decay_of_k = replace(function, material_k=0.56)  # (1 - 0.3) 0.8: the decay is as it is given
     air = replace(air, propagation=decay_of_k)
-    ears = tuple(Listener(f"ear {d}", "air", (d, 0.0, 0.0)) for d in DISTANCES)
+    ears = tuple(Listener(f"ear {d}", "air", (d, 0.0, 0.0), radius=0.0) for d in DISTANCES)
     tracer = Tracer()
     return [tracer.step(Frame(n, n / rate, (air,), (blast,), ears)) for n in frames]
 
@@ -352,7 +352,7 @@ def test_a_front_reaches_objects_in_the_medium_when_it_is_there():
         for pane, place in zip(panes, places, strict=True)
     )
     touching = ContactSet.from_contacts(contacts, {"air": 0, "pane 1": 1, "pane 2": 2})
-    hands = tuple(Listener(f"hand {k}", f"pane {k}", (9.0, 9.0, 9.0)) for k in (1, 2))
+    hands = tuple(Listener(f"hand {k}", f"pane {k}", (9.0, 9.0, 9.0), radius=0.0) for k in (1, 2))
     blast = Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger("times", (0.05,)),))
     results = play(
         range(6), lambda n, t: Frame(n, t, (air, *panes), (blast,), hands, contacts=touching)

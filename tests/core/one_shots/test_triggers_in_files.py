@@ -48,7 +48,9 @@ def scene(*triggers):
         "crate", 0.3, 0.8, shape=Box((0.5, 0.5, 0.5)), mass=12.0, pose=Pose((0, 0, 1.55))
     )
     bell = Source("bell", "ground", (1.0, 0.0, 0.0), 0.8, signal=KNOCK, triggers=triggers)
-    return HapticScene((ground, crate), sources=(bell,), listeners=(Listener("skin", "ground"),))
+    return HapticScene(
+        (ground, crate), sources=(bell,), listeners=(Listener("skin", "ground", radius=0.0),)
+    )
 
 
 def fall():

@@ -45,10 +45,10 @@ def test_a_force_moves_a_fingertip_as_a_mass_on_a_damped_spring():
 
 
 def test_margins_use_the_device_of_each_listener():
-    weak = Listener("weak", "a", full_scale=((100.0, 1.0),))
-    strong = Listener("strong", "a", full_scale=((100.0, 10.0),))
-    pushing = Listener("pushing", "a", full_scale=((100.0, 1.0),), full_scale_unit="N")
-    listeners = (weak, strong, Listener("unknown", "a"), pushing)
+    weak = Listener("weak", "a", full_scale=((100.0, 1.0),), radius=0.0)
+    strong = Listener("strong", "a", full_scale=((100.0, 10.0),), radius=0.0)
+    pushing = Listener("pushing", "a", full_scale=((100.0, 1.0),), full_scale_unit="N", radius=0.0)
+    listeners = (weak, strong, Listener("unknown", "a", radius=0.0), pushing)
     sine = 0.5 * np.sin(2 * math.pi * 100 * np.arange(RATE) / RATE)
     level, margin = level_and_margin(np.tile(sine, (4, 1)), RATE, listeners)
     assert level == pytest.approx(20 * math.log10(0.5 / math.sqrt(2)))
@@ -70,4 +70,4 @@ def test_margins_use_the_device_of_each_listener():
 )
 def test_a_calibration_has_rising_frequencies_and_numbers_above_0(points, reason):
     with pytest.raises(ValueError, match=reason):
-        Listener("a", "b", full_scale=points)
+        Listener("a", "b", full_scale=points, radius=0.0)

@@ -28,7 +28,7 @@ TWENTY = [
 
 def sounding(sources, listener=None, function=None, settings=None):
     """Sources and a listener at the origin of one object that passes everything on."""
-    heard = listener or Listener("palm", "plate")
+    heard = listener or Listener("palm", "plate", radius=0.0)
     scene = HapticScene(
         (HapticObject("plate", 0, 1, function or Constant(gain_value=1.0)),),
         (),
@@ -122,10 +122,10 @@ def test_what_has_a_higher_priority_turns_the_rest_down_by_the_stated_amount(lev
         Source("motor", "plate", amplitude=0.2, signal=Sine(60.0)),
         Source("fan", "plate", amplitude=0.2, signal=Sine(90.0), priority=0.5),
     ]
-    heard = Listener("palm", "plate", ducking=12.0)
+    heard = Listener("palm", "plate", ducking=12.0, radius=0.0)
     samples, free = (
         source_samples(sounding(sources, item), 0, 0.5, RATE)
-        for item in (heard, Listener("palm", "plate"))
+        for item in (heard, Listener("palm", "plate", radius=0.0))
     )
     assert samples[0].tobytes() == free[0].tobytes()
     np.testing.assert_allclose(samples[1], free[1] * 10 ** (-turned_down / 20), rtol=1e-12)
@@ -138,7 +138,7 @@ def test_the_mix_has_what_is_turned_down():
         Source("a", "plate", amplitude=0.5, signal=Sine(250.0), priority=3.0),
         Source("b", "plate", amplitude=0.4, signal=Sine(60.0)),
     ]
-    state = sounding(sources, Listener("palm", "plate", ducking=20.0))
+    state = sounding(sources, Listener("palm", "plate", ducking=20.0, radius=0.0))
     renderer = Renderer(listener_mixes(state.listeners), RATE)
     voices = source_voices(state)
     renderer.render_frame(0.0, 0.0, voices)
@@ -156,7 +156,7 @@ def test_bands_and_delays_stay_those_of_the_paths():
         Source(f"s{k}", "plate", (0.3 * k, 0.0, 0.5), 0.02, signal=Sine(40.0 * k))
         for k in range(1, 6)
     ]
-    state = sounding(sources, Listener("palm", "plate", ducking=6.0), function)
+    state = sounding(sources, Listener("palm", "plate", ducking=6.0, radius=0.0), function)
     renderer = Renderer(listener_mixes(state.listeners), RATE)
     voices = source_voices(state)
     renderer.render_frame(0.0, 0.0, voices)
@@ -167,4 +167,4 @@ def test_bands_and_delays_stay_those_of_the_paths():
 
 def test_a_ducking_out_of_range_is_refused():
     with pytest.raises(ValueError, match="ducking: must be from 0 to 60 dB"):
-        Listener("palm", "plate", ducking=61.0)
+        Listener("palm", "plate", ducking=61.0, radius=0.0)

@@ -24,9 +24,7 @@ from haptic_tracing.core.scene.values import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from level_properties import (
-    WELL_POSED,
     check_bounded,
-    check_cut_offs,
     check_local,
     check_shown,
     check_steady,
@@ -37,36 +35,30 @@ from path_reference import METRIC, OTHER, connected_scene, recursive_paths
 
 SEEDS = st.integers(0, 10**6)
 PLACE = (0.0, 0.0, 0.0)
-both = pytest.mark.parametrize("strategy", WELL_POSED)
 
 
 @pytest.mark.slow
-@both
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(SEEDS)
-def test_scenes_of_any_functions_are_bounded_and_independent_of_cut_offs(strategy, seed):
+def test_scenes_of_any_functions_are_bounded(seed):
     scene = connected_scene(seed, (*METRIC, *OTHER), extra=4, listeners=4)
-    check_bounded(scene, strategy)
-    check_cut_offs(scene, strategy)
+    check_bounded(scene)
 
 
 @pytest.mark.slow
-@both
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(SEEDS)
-def test_piles(strategy, seed):
+def test_piles(seed):
     scene = pile_scene(seed)
-    check_bounded(scene, strategy)
-    check_cut_offs(scene, strategy)
-    check_steady(scene, strategy, seed)
-    check_local(scene, strategy, "ground", (-14.0, 12.0, 0.0))
+    check_bounded(scene)
+    check_steady(scene, seed)
+    check_local(scene, "ground", (-14.0, 12.0, 0.0))
 
 
 @pytest.mark.slow
-@both
 @pytest.mark.parametrize("has_shape", [True, False])
 @pytest.mark.parametrize("count", [100, 1000])
-def test_a_body_far_away_on_the_same_ground_changes_no_level(strategy, has_shape, count):
+def test_a_body_far_away_on_the_same_ground_changes_no_level(has_shape, count):
     """One body more, 27 to 200 m from the middle of a pile, which is 6 to 19 m wide: under 0.5
     dB."""
     family = pile(count)
@@ -91,7 +83,7 @@ def test_a_body_far_away_on_the_same_ground_changes_no_level(strategy, has_shape
             size = graph.frames.size.copy()
             size[0] = 400.0, 400.0, 2.0
             graph = replace(graph, frames=replace(graph.frames, centre=centre, size=size))
-        return propagate(graph, Settings(strategy=strategy)).gain
+        return propagate(graph, Settings()).gain
 
     alone = gains(None)
     for far in (27.0, 60.0, 200.0):
@@ -106,7 +98,7 @@ def test_a_body_far_away_on_the_same_ground_changes_no_level(strategy, has_shape
 def test_the_way_shown_makes_the_number(seed):
     for scene in (pile_scene(seed), connected_scene(seed, METRIC, extra=4, listeners=4)):
         graph = graph_of_scene(scene)
-        check_shown(graph, propagate(graph, Settings()), Settings().threshold)
+        check_shown(graph, propagate(graph, Settings()), 1e-6)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -114,7 +106,7 @@ def test_the_way_shown_makes_the_number(seed):
 def test_between_the_best_way_and_the_power_sum_of_all(seed):
     scene = connected_scene(seed, METRIC, extra=3, listeners=3)
     graph = graph_of_scene(scene)
-    found = traced(scene, Strategy.AUTO, threshold=0.0).gain
+    found = traced(scene).gain
     for column in range(len(graph.listeners)):
         products = [math.prod(gains) for _, gains in recursive_paths(graph, 0, column)]
         assert (
@@ -125,33 +117,26 @@ def test_between_the_best_way_and_the_power_sum_of_all(seed):
 
 
 def test_sums_in_the_same_piles_have_none_of_this():
-    """What the default is not: in a dense pile a sum over paths is above its source, and set by its
-    threshold, and says so."""
-    scene = pile_scene(1, 60)
+    """What the default is not: in a dense pile a sum over paths is set by its threshold, and says
+    so."""
+    graph = graph_of_scene(pile_scene(1, 60))
     coarse, fine = (
-        traced(scene, Strategy.ALL_PATHS, threshold=threshold) for threshold in (1e-2, 3e-3)
+        propagate(graph, Settings(strategy=Strategy.AS_IN_THE_PAPER, threshold=threshold))
+        for threshold in (1e-2, 3e-3)
     )
-    assert coarse.limited.all() and fine.limited.all()
     heard = coarse.gain > 0
+    assert coarse.limited[heard].all() and fine.limited[heard].all()
     assert np.median(fine.gain[heard] / coarse.gain[heard]) > 1.5
-    assert coarse.statistics["walk_radius"] > 1
 
 
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_two_objects_with_several_ways_between_them(count):
-    """Ways without loss, side by side: the default is one of them, the balance is not above it,
-    and nearer to it the more there are."""
+    """Ways without loss, side by side: the default is one of them."""
     objects = HapticObject("a", 0, 1, Identity()), HapticObject("b", 0, 1, Identity())
     scene = HapticScene(
         objects,
         (Contact(("a", "b"), (PLACE, PLACE)),) * count,
         (Source("s", "a"),),
-        (Listener("l", "b"),),
+        (Listener("l", "b", radius=0.0),),
     )
-    assert traced(scene, Strategy.AUTO).gain[0, 0] == 1.0
-    balance = traced(scene, Strategy.ENERGY_BALANCE)
-    assert balance.gain[0, 0] == pytest.approx(
-        # Two objects that each take up 1/200 and a third of the rest, with a coupling of ``count``.
-        math.sqrt(1 / (1 + 0.995**2 / 9 / count + 0.005 * (0.005 + 2 * 0.995 / 3) / count + 0.005)),
-        abs=balance.error_bound[0, 0] + 1e-12,
-    )
+    assert traced(scene).gain[0, 0] == 1.0

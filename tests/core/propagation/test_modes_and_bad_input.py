@@ -37,9 +37,9 @@ SCENE = HapticScene(
         Source("bump", "bench", (1, 0, 0), kind="temporary", second_object="ground"),
     ),
     listeners=(
-        Listener("seat", "bench", (1.2, 0, 0.4)),
-        Listener("hand", "kite", (0, 0, 3)),
-        Listener("foot", "ground", (0, 1, 0)),
+        Listener("seat", "bench", (1.2, 0, 0.4), radius=0.0),
+        Listener("hand", "kite", (0, 0, 3), radius=0.0),
+        Listener("foot", "ground", (0, 1, 0), radius=0.0),
     ),
 )
 GRAPH = graph_of_scene(SCENE)
@@ -56,11 +56,6 @@ def test_direct_modes(strategy):
         assert np.allclose(result.gain, expected, rtol=1e-14)
         assert result.paths.tolist() == np.ones((2, 3), dtype=int).tolist()
         assert objects_on(GRAPH, result.best_path[0, 1]) == ("ground", "kite")
-    assert (
-        propagate(GRAPH, Settings(mode=Mode.MD, threshold=0.7)).gain.tolist()
-        == np.where(np.exp(-0.2 * LINE) >= 0.7, np.exp(-0.2 * LINE), 0).tolist()
-    )
-    assert propagate(GRAPH, Settings(mode=Mode.MN, max_connections=0)).gain.max() == 0
 
 
 def test_nearest_listener_on_the_graph():
@@ -72,7 +67,10 @@ def test_nearest_listener_on_the_graph():
 
 
 def test_nearest_listener_ties_go_by_name():
-    listeners = (Listener("right", "ground", (1, 0, 0)), Listener("left", "ground", (-1, 0, 0)))
+    listeners = (
+        Listener("right", "ground", (1, 0, 0), radius=0.0),
+        Listener("left", "ground", (-1, 0, 0), radius=0.0),
+    )
     scene = HapticScene(SCENE.objects, (), (Source("s", "ground"),), listeners)
     assert propagate(graph_of_scene(scene), Settings(mode=Mode.SD)).gain[0].tolist() == [
         0,
@@ -80,11 +78,11 @@ def test_nearest_listener_ties_go_by_name():
     ]
 
 
-def test_automatic_strategies():
-    """Automatic is the best path for every source; the paper's pair is one strategy away."""
+def test_strategies_of_sources():
+    """The best path for every source, unless all is to be as in the paper."""
     assert propagate(GRAPH, Settings()).strategy == ("best_path", "best_path")
     assert propagate(GRAPH, Settings(strategy=Strategy.AS_IN_THE_PAPER)).strategy == (
-        "all_paths",
+        "as_in_the_paper",
         "best_path",
     )
 
@@ -100,26 +98,27 @@ def test_nearest_listener_by_best_path_whatever_the_strategy(strategy):
         for k, one in enumerate(names)
         for other in names[:k]
     )
-    scene = HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", "b", (1, 0, 0)),))
+    scene = HapticScene(
+        objects, contacts, (Source("s", "a"),), (Listener("l", "b", (1, 0, 0), radius=0.0),)
+    )
     result = propagate(graph_of_scene(scene), Settings(mode=Mode.SD, strategy=strategy))
     assert result.strategy == ("best_path",)
     assert result.gain[0, 0] == pytest.approx(math.exp(-0.2), rel=1e-14)
 
 
-def test_automatic_strategy_has_no_limit_of_connections():
+def test_the_best_path_has_no_limit_of_connections():
     """Through 40 objects in a row, which takes 79 connections."""
     objects = tuple(HapticObject(f"o{k:02d}", 0, 1, Identity()) for k in range(40))
     contacts = tuple(
         Contact((f"o{k:02d}", f"o{k + 1:02d}"), ((k, 0, 0), (k, 0, 0))) for k in range(39)
     )
     graph = graph_of_scene(
-        HapticScene(objects, contacts, (Source("s", "o00"),), (Listener("l", "o39"),))
+        HapticScene(objects, contacts, (Source("s", "o00"),), (Listener("l", "o39", radius=0.0),))
     )
     assert propagate(graph, Settings()).gain[0, 0] == 1
-    assert propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0] == 0
-    assert (
-        propagate(graph, Settings(strategy=Strategy.BEST_PATH, max_connections=79)).gain[0, 0] == 1
-    )
+    for most, gain in ((32, 0), (78, 0), (79, 1), (None, 1)):
+        chosen = Settings(strategy=Strategy.AS_IN_THE_PAPER, max_connections=most)
+        assert propagate(graph, chosen).gain[0, 0] == gain
 
 
 def test_nothing_to_do():
@@ -134,16 +133,9 @@ def test_nothing_to_do():
                 assert result.gain.shape == (len(scene.sources), len(scene.listeners))
 
 
-def test_budget_is_checked():
-    with pytest.raises(ValueError, match=r"^budget: must be 0 or more, got -1"):
-        propagate(GRAPH, Settings(), -1)
-
-
 @pytest.mark.parametrize(
     ("argument", "value"),
     [
-        ("tolerance", -0.1),
-        ("tolerance", math.nan),
         ("threshold", 1.5),
         ("threshold", math.nan),
         ("max_connections", -1),
@@ -177,7 +169,8 @@ def test_contacts_name_what_is_wrong(change, message):
 
 
 @pytest.mark.parametrize(
-    ("kind", "value"), [("sources", Source("s", "moon")), ("listeners", Listener("l", "moon"))]
+    ("kind", "value"),
+    [("sources", Source("s", "moon")), ("listeners", Listener("l", "moon", radius=0.0))],
 )
 def test_unknown_objects_are_named(kind, value):
     table = ObjectTable.of(SCENE.objects, 0.1)
@@ -186,46 +179,19 @@ def test_unknown_objects_are_named(kind, value):
         build_graph(table, ContactSet.empty(), ends["sources"], ends["listeners"])
 
 
-@pytest.mark.parametrize(
-    "strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE]
-)
-@pytest.mark.parametrize("formula", ["1 - d", "1 / (d - 2)", "log(d - 5)"])
+@pytest.mark.parametrize("strategy", list(Strategy))
+@pytest.mark.parametrize("formula", ["where(d > 2000, -1, 1)", "where(d > 2000, 1 / (d - d), 1)"])
 def test_expression_without_a_gain_is_named(strategy, formula):
-    """At a distance of 2 m these are negative, infinite, or nothing at all."""
+    """Farther away than formulas are checked, these are negative, or nothing at all."""
     scene = HapticScene(
         (HapticObject("odd", 0, 1, Expression(expression=formula)),),
         (),
         (Source("s", "odd"),),
-        (Listener("l", "odd", (2, 0, 0)),),
+        (Listener("l", "odd", (2100, 0, 0), radius=0.0),),
     )
     with pytest.raises(NoGain, match=r"^object 'odd': expression: ") as error:
         propagate(graph_of_scene(scene), Settings(strategy=strategy))
     assert error.value.objects == ("odd",)
-
-
-@pytest.mark.parametrize("strategy", list(Strategy))
-@pytest.mark.parametrize("localise", [0.0, 0.25, 1.0])
-def test_localise_blends_towards_the_nearest_listener(strategy, localise):
-    """What others than the nearest feel goes down with it; the nearest feels what it always
-    does."""
-    plain = propagate(GRAPH, Settings(strategy=strategy))
-    result = propagate(GRAPH, Settings(strategy=strategy, localise=localise))
-    for row, line in enumerate(LINE):
-        nearest = int(np.argmin(line))
-        factor = [1.0 if column == nearest else 1.0 - localise for column in range(len(line))]
-        assert result.gain[row] == pytest.approx(plain.gain[row] * factor, rel=1e-12)
-    if localise == 1:
-        assert all(LINE[row].argmin() == column for row, column in result.best_path)
-
-
-def test_localise_is_for_haptic_tracing_alone():
-    for mode in (Mode.SD, Mode.MD, Mode.MN):
-        assert np.array_equal(
-            propagate(GRAPH, Settings(mode=mode, localise=0.7)).gain,
-            propagate(GRAPH, Settings(mode=mode)).gain,
-        )
-    with pytest.raises(ValueError, match="localise"):
-        Settings(localise=1.5)
 
 
 @pytest.mark.parametrize("distance", [-1e-9, math.nan, math.inf])
@@ -235,9 +201,7 @@ def test_distances_that_are_none(distance):
         table.gain(0, np.array([1.0, distance]))
 
 
-@pytest.mark.parametrize(
-    "strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE]
-)
+@pytest.mark.parametrize("strategy", list(Strategy))
 @pytest.mark.parametrize("far", [1e160, 1e300])
 def test_distances_whose_squares_are_no_numbers(strategy, far):
     """Identity carries over them, and nothing else does."""
@@ -249,11 +213,9 @@ def test_distances_whose_squares_are_no_numbers(strategy, far):
                 Contact(("a", "b"), ((0, 0, far), (0, -far, far))),
             ),
             (Source("s", "a", (-far, far, 0)),),
-            (Listener("l", "b", (-far, 0, -far)),),
+            (Listener("l", "b", (-far, 0, -far), radius=0.0),),
         )
         result = propagate(graph_of_scene(scene), Settings(strategy=strategy, threshold=0.0))
-        # Of objects without losses the energies are up to 200, and so is what is rounded.
-        assert result.error_bound[0, 0] <= (1e-9 if strategy is Strategy.ENERGY_BALANCE else 0)
         if strategy is Strategy.BEST_PATH:
             assert result.gain[0, 0] == gain
         else:
@@ -289,12 +251,8 @@ def test_gains_at_the_ends_of_what_numbers_can_say(seed, strategy):
         for contact in scene.contacts
     )
     result = propagate(
-        graph_of_scene(replace(scene, contacts=contacts)), Settings(strategy=strategy), budget=3000
+        graph_of_scene(replace(scene, contacts=contacts)), Settings(strategy=strategy)
     )
-    assert (
-        np.isfinite(result.gain).all()
-        and (result.gain >= 0).all()
-        and (result.error_bound >= 0).all()
-    )
-    if strategy not in (Strategy.ALL_PATHS, Strategy.AS_IN_THE_PAPER):
-        assert (result.gain <= 1).all() and (result.error_bound <= 1).all()
+    assert np.isfinite(result.gain).all() and (result.gain >= 0).all()
+    if strategy is Strategy.BEST_PATH:
+        assert (result.gain <= 1).all()

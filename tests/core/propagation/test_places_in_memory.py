@@ -23,13 +23,11 @@ from haptic_tracing.core.scene.values import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import METRIC, OTHER, connected_scene
-from threads_of_libraries import printed
 
 SEEDS = st.integers(0, 10**6)
 OFFSETS = st.integers(1, 7).map(lambda words: 8 * words)
 LIMITS = st.sampled_from([(None, 0.0), (32, 1e-3), (9, 0.0)])
-CORE = Settings(strategy=Strategy.ENERGY_BALANCE)
-STRATEGIES = st.sampled_from([Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE])
+STRATEGIES = st.sampled_from(list(Strategy))
 BANDED = Exponential(
     alpha=0.3, spectrum=Spectrum(band_gains=(1.0, 0.9, 0.8, 0.7, 0.6, 0.5), wave_speed=340.0)
 )
@@ -64,12 +62,11 @@ def elsewhere(value, place):
 
 
 def assert_same_bits(a: Propagation, b: Propagation) -> None:
-    for key in ("gain", "error_bound", "paths", "band_gain", "delay"):
+    for key in ("gain", "limited", "paths", "band_gain", "delay"):
         one, other = getattr(a, key), getattr(b, key)
         assert (one is None) == (other is None)
         assert one is None or one.tobytes() == other.tobytes()
-    assert a.best_path == b.best_path
-    assert a.taps == b.taps
+    assert dict(a.best_path) == dict(b.best_path)
 
 
 def graph_from(scene: HapticScene, place) -> HapticGraph:
@@ -93,8 +90,7 @@ def test_same_bits_at_every_offset(seed, strategy, limits, offset, bands):
 
 
 def heap(count: int = 120) -> HapticScene:
-    """Enough boxes on a ground that all is done in arrays, and energies have a core to be solved as
-    a matrix."""
+    """Boxes on a ground, many of which touch each other."""
     random = np.random.default_rng(3)
     spots = random.uniform(0, 2, (count, 3))
     names = [f"box {k:03d}" for k in range(count)]
@@ -116,7 +112,8 @@ def heap(count: int = 120) -> HapticScene:
     ]
     sources = tuple(Source(f"s{k}", names[k], tuple(spots[k].tolist())) for k in range(3))
     listeners = tuple(
-        Listener(f"l{k}", names[-1 - k], tuple(spots[-1 - k].tolist())) for k in range(10)
+        Listener(f"l{k}", names[-1 - k], tuple(spots[-1 - k].tolist()), radius=0.0)
+        for k in range(10)
     )
     return HapticScene(tuple(objects), tuple(contacts), sources, listeners)
 
@@ -124,7 +121,7 @@ def heap(count: int = 120) -> HapticScene:
 @pytest.mark.slow
 def test_same_bits_in_a_heap():
     scene = heap()
-    for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE):
+    for strategy in Strategy:
         chosen = Settings(strategy=strategy, threshold=0.1)
         expected = propagate(graph_from(scene, np.copy), chosen)
         assert np.count_nonzero(expected.gain) > 10
@@ -133,17 +130,3 @@ def test_same_bits_in_a_heap():
             spaced,
         ):
             assert_same_bits(propagate(graph_from(scene, place), chosen), expected)
-
-
-@pytest.mark.slow
-def test_same_bits_with_any_number_of_threads():
-    """Libraries for linear algebra divide large products among threads: energies with a core of
-    some hundred subsystems."""
-    code = (
-        "from test_places_in_memory import CORE, heap; from "
-        "haptic_tracing.core.graph.haptic_graph import graph_of_scene;"
-        "from haptic_tracing.core.propagation import propagate; "
-        "print(propagate(graph_of_scene(heap(400)), CORE).gain.tobytes().hex())"
-    )
-    found = [printed(code, __file__, threads) for threads in (1, 2, 5)]
-    assert found[0] == found[1] == found[2] != ""

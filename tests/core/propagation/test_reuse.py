@@ -5,12 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.shapes import Box
-from haptic_tracing.core.graph.haptic_graph import ObjectTable, build_graph
+from haptic_tracing.core.graph.haptic_graph import ObjectTable
 from haptic_tracing.core.graph.object_frames import ObjectFrames
-from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.propagation.reuse import Inputs
 from haptic_tracing.core.scene.functions import Exponential
 from haptic_tracing.core.scene.values import (
@@ -20,7 +18,6 @@ from haptic_tracing.core.scene.values import (
     Pose,
     Settings,
     Source,
-    Strategy,
 )
 
 TURNED = (float(np.cos(0.3)), 0.0, 0.0, float(np.sin(0.3)))
@@ -45,24 +42,9 @@ def inputs(pose: Pose) -> Inputs:
         Contact((name, "floor"), (at, at)) for name, at in zip("abcdef", places, strict=True)
     ]
     contacts = ContactSet.from_contacts(touching, table.index())
-    ends = (Source("s", "a", (1.3, 0.2, 1.0)),), (Listener("l", "b", (-0.4, 1.1, 1.0)),)
+    ends = (Source("s", "a", (1.3, 0.2, 1.0)),), (Listener("l", "b", (-0.4, 1.1, 1.0), radius=0.0),)
     frames = ObjectFrames.of_objects(table.objects)
-    return Inputs(table, contacts, *ends, Settings(strategy=Strategy.ENERGY_BALANCE), frames)
-
-
-def gain(given: Inputs) -> float:
-    graph = build_graph(given.table, given.contacts, given.sources, given.listeners, given.frames)
-    return float(propagate(graph, given.settings).gain[0, 0])
-
-
-@pytest.mark.parametrize(
-    "pose", [Pose((0.3, 0, 0)), Pose((0, 0, 0), TURNED)], ids=["moved", "turned"]
-)
-def test_energy_balance_is_computed_again_when_an_object_moves_under_contacts_that_stay(pose):
-    """Its regions lie elsewhere, so what the contacts couple has changed."""
-    before, after = inputs(Pose()), inputs(pose)
-    assert gain(after) != pytest.approx(gain(before), rel=1e-3)
-    assert before != before._replace(frames=after.frames)
+    return Inputs(table, contacts, *ends, Settings(), frames)
 
 
 def test_what_stands_still_is_not_computed_again():

@@ -14,12 +14,20 @@ import pytest
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.bands import BAND_CENTRES
-from haptic_tracing.core.scene.functions import Constant, Exponential, Identity, Physical, Wave
+from haptic_tracing.core.scene.functions import (
+    Constant,
+    Exponential,
+    HapticTracing,
+    Identity,
+    Physical,
+    Wave,
+)
 from haptic_tracing.core.scene.values import (
     Contact,
     HapticObject,
     HapticScene,
     Listener,
+    Mode,
     Settings,
     Source,
     Strategy,
@@ -29,8 +37,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_reference import connected_scene, recursive_paths
 
-FREE = {"max_connections": None, "threshold": 0.0, "tolerance": 0.0}
-LONG, KAPPA = 30_000, 1.11e-3
+PAPER = Settings(Mode.HT, Strategy.AS_IN_THE_PAPER, None, 0.0)
+LEAST = 1e-6
+"""Gain at which the search for the best path ends."""
+LONG, KAPPA = 3_000, 1.11e-3
 SEEDS = st.integers(0, 10**6)
 
 
@@ -76,7 +86,7 @@ def exact_gain(
     place = [[mpmath.mpf(x) for x in graph.node_position[node].tolist()] for node in (a, b)]
     distance = mpmath.sqrt(sum((x - y) ** 2 for x, y in zip(*place, strict=True)))
     if graph.partner[a] == b:
-        return mpmath.mpf(float(graph.transmission[graph.contact[a]]))
+        return mpmath.exp(-mpmath.mpf(float(graph.crossing_costs()[a])))
     item = graph.table.objects[graph.node_object[a]]
     if isinstance(item.propagation, Exponential):
         return mpmath.exp(-mpmath.mpf(item.propagation.alpha) * distance)
@@ -133,13 +143,14 @@ def test_random_scenes(seed, size, offset):
     )
     with mpmath.workdps(40):
         graph = graph_of_scene(shifted)
-        best = propagate(graph, Settings(strategy=Strategy.BEST_PATH, **FREE))
-        total = propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE))
+        best = propagate(graph, Settings())
+        total = propagate(graph, PAPER)
         for column in range(len(graph.listeners)):
             gains = [
                 exact_path(graph, shifted, path) for path, _ in recursive_paths(graph, 0, column)
             ]
-            assert close(best.gain[0, column], max(gains, default=mpmath.mpf(0)))
+            largest = max(gains, default=mpmath.mpf(0))
+            assert close(best.gain[0, column], largest if largest >= LEAST else mpmath.mpf(0))
             assert close(total.gain[0, column], mpmath.fsum(gains))
 
 
@@ -157,7 +168,7 @@ def chain(count: int, function, kappa: float = 0.0) -> HapticScene:
         objects,
         contacts_in_a_row(count),
         (Source("s", "000000"),),
-        (Listener("l", f"{count - 1:06d}"),),
+        (Listener("l", f"{count - 1:06d}", radius=0.0),),
     )
 
 
@@ -167,32 +178,13 @@ def chain_of_gains_near_one():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS])
-@pytest.mark.parametrize("threshold", [0.0, 1e-300])
-def test_chain_of_30000_objects(chain_of_gains_near_one, strategy, threshold):
-    """Gains close to 1, so that the answer is not tiny: the rounding error of every link would add
-    up to 1.7e-12."""
-    result = propagate(
-        chain_of_gains_near_one,
-        Settings(strategy=strategy, max_connections=None, threshold=threshold),
-    )
+def test_chain_of_3000_objects():
+    """Gains close to 1, so that the answer is not tiny."""
+    result = propagate(graph_of_scene(chain(LONG, HapticTracing(), KAPPA)), Settings())
     with mpmath.workdps(40):
         exact = (1 - mpmath.mpf(KAPPA)) ** LONG
-        assert exact > 1e-20
-        assert not close(math.prod(itertools.repeat(1 - KAPPA, LONG)), exact)
+        assert exact > 1e-2
         assert close(result.gain[0, 0], exact)
-    assert result.error_bound[0, 0] == 0
-
-
-@pytest.mark.slow
-def test_chain_of_gains_of_one_in_a_thousand():
-    """10^-90000 is 0, the path is known all the same, and nothing overflows on the way."""
-    graph = graph_of_scene(chain(LONG, Constant(gain_value=1e-3)))
-    for strategy in (Strategy.BEST_PATH, Strategy.ENERGY_BALANCE, Strategy.ALL_PATHS):
-        result = propagate(graph, Settings(strategy=strategy, max_connections=None, threshold=0))
-        assert result.gain[0, 0] == 0
-        assert len(result.best_path[0, 0]) == 2 * LONG
-        assert np.isfinite(result.error_bound).all()
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
@@ -217,22 +209,17 @@ def test_values_at_the_ends_of_their_ranges(parts, far, near):
         objects,
         contacts,
         (Source("s", "o0"),),
-        (Listener("l", f"o{len(parts) - 1}", (far, near, 0)),),
+        (Listener("l", f"o{len(parts) - 1}", (far, near, 0), radius=0.0),),
         Settings(epsilon=0.0),
     )
     graph = graph_of_scene(scene)
     blocked = any(item.kappa == 1 or item.rho == 0 for item in objects)
-    for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS, Strategy.ENERGY_BALANCE):
-        for threshold in (0.0, 1e-3):
-            result = propagate(
-                graph,
-                Settings(strategy=strategy, max_connections=None, threshold=threshold, epsilon=0.0),
-            )
-            assert 0 <= result.gain[0, 0] <= 1
-            assert np.isfinite(result.error_bound).all()
-            if blocked:
-                assert result.gain[0, 0] == 0
-                assert result.best_path == {}
+    for strategy in Strategy:
+        result = propagate(graph, Settings(strategy=strategy, epsilon=0.0))
+        assert 0 <= result.gain[0, 0] <= 1
+        if blocked:
+            assert result.gain[0, 0] == 0
+            assert not result.best_path
 
 
 @pytest.mark.slow
@@ -251,7 +238,7 @@ def test_10000_contacts_on_one_object():
         tuple(objects),
         tuple(contacts),
         (Source("s", "ground"),),
-        (Listener("l", "bench", (1.25, 0, 0.5)),),
+        (Listener("l", "bench", (1.25, 0, 0.5), radius=0.0),),
     )
     graph = graph_of_scene(scene)
     with mpmath.workdps(40):
@@ -259,9 +246,9 @@ def test_10000_contacts_on_one_object():
             HapticScene(tuple(objects[:2]), tuple(contacts[-2:]), scene.sources, scene.listeners)
         )
         gains = [exact_path(kept, scene, path) for path, _ in recursive_paths(kept, 0, 0)]
-        assert close(propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0], max(gains))
+        assert close(propagate(graph, Settings()).gain[0, 0], max(gains))
         assert close(
-            propagate(graph, Settings(strategy=Strategy.ALL_PATHS, **FREE)).gain[0, 0],
+            propagate(graph, PAPER).gain[0, 0],
             mpmath.fsum(gains),
         )
 
@@ -281,11 +268,9 @@ def test_gains_within_one_unit_in_the_last_place_of_each_other():
             Contact(pair, (origin, origin))
             for pair in (("a", "b"), ("b", "d"), ("a", "c"), ("c", "d"))
         )
-        scene = HapticScene(objects, contacts, (Source("s", "a"),), (Listener("l", "d"),))
+        scene = HapticScene(
+            objects, contacts, (Source("s", "a"),), (Listener("l", "d", radius=0.0),)
+        )
         graph = graph_of_scene(scene)
-        assert propagate(graph, Settings(strategy=Strategy.BEST_PATH)).gain[0, 0] == pytest.approx(
-            max(0.7, gain), rel=1e-15
-        )
-        assert propagate(graph, Settings(strategy=Strategy.ALL_PATHS)).gain[0, 0] == pytest.approx(
-            0.7 + gain, rel=1e-15
-        )
+        assert propagate(graph, Settings()).gain[0, 0] == pytest.approx(max(0.7, gain), rel=1e-15)
+        assert propagate(graph, PAPER).gain[0, 0] == pytest.approx(0.7 + gain, rel=1e-15)

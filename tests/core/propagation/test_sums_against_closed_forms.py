@@ -29,12 +29,12 @@ def scene_of(edges, functions, source, listeners, transmission=ONE) -> HapticSce
         tuple(HapticObject(f"{i:06d}", 0.0, 1.0, function) for i, function in enumerate(functions)),
         tuple(Contact((f"{a:06d}", f"{b:06d}"), (ORIGIN, ORIGIN), transmission) for a, b in edges),
         (Source("s", f"{source:06d}"),),
-        tuple(Listener(f"l{k}", f"{o:06d}") for k, o in enumerate(listeners)),
+        tuple(Listener(f"l{k}", f"{o:06d}", radius=0.0) for k, o in enumerate(listeners)),
     )
 
 
-def run(scene: HapticScene, strategy: Strategy = Strategy.ALL_PATHS, **limits) -> Propagation:
-    chosen = {"max_connections": None, "threshold": 0.0, "tolerance": 0.0, **limits}
+def run(scene: HapticScene, strategy: Strategy = Strategy.AS_IN_THE_PAPER, **limits) -> Propagation:
+    chosen = {"max_connections": None, "threshold": 0.0, **limits}
     return propagate(graph_of_scene(scene), Settings(strategy=strategy, **chosen))
 
 
@@ -46,19 +46,10 @@ def grid(rows: int, columns: int) -> list[tuple[int, int]]:
     ]
 
 
-def test_ladder_of_two_to_the_59_paths():
-    """Lossless: the sum is the number of paths. In every column but the last a path either stays in
-    its row or changes it."""
-    scene = scene_of(grid(2, 60), [ONE] * 120, 0, [118, 119])
-    result = run(scene)
-    assert result.gain[0].tolist() == pytest.approx([2.0**59, 2.0**59], rel=1e-12)
-    assert result.error_bound.max() == 0
-
-
 def test_ladder_with_losses_against_its_transfer_matrix():
     """Through every column, crossing a rung or not: with gain g inside and t between, each of the n
     - 1 steps multiplies the state (at this row, at the other one) by one matrix."""
-    g, t, n = Fraction(7, 10), Fraction(9, 10), 60
+    g, t, n = Fraction(7, 10), Fraction(9, 10), 8
     scene = scene_of(
         grid(2, n),
         [Constant(gain_value=0.7)] * (2 * n),
@@ -78,13 +69,25 @@ def test_ladder_with_losses_against_its_transfer_matrix():
         assert got == pytest.approx(float(expected), rel=1e-12)
 
 
-def test_wall_of_4_by_6_has_121130_paths():
-    result = run(scene_of(grid(4, 6), [ONE] * 24, 0, [23]))
-    assert result.gain[0, 0] == 121130
-    assert result.error_bound[0, 0] == 0
+def trails(edges: list[tuple[int, int]], start: int, end: int) -> int:
+    """The number of ways from ``start`` to ``end`` that use no edge twice."""
+    count = int(start == end)
+    for k, edge in enumerate(edges):
+        if start in edge:
+            count += trails(edges[:k] + edges[k + 1 :], sum(edge) - start, end)
+    return count
 
 
-@pytest.mark.parametrize("arches", [1, 2, 3, 5, 7])
+@pytest.mark.parametrize(("rows", "columns"), [(2, 2), (3, 3), (3, 4)])
+def test_walls_without_losses_have_as_many_paths_as_trails(rows, columns):
+    """A path crosses no contact twice."""
+    last = rows * columns - 1
+    result = run(scene_of(grid(rows, columns), [ONE] * (last + 1), 0, [last]))
+    assert result.gain[0, 0] == result.paths[0, 0] == trails(grid(rows, columns), 0, last)
+    assert not result.limited[0, 0]
+
+
+@pytest.mark.parametrize("arches", [1, 2, 3, 5])
 def test_ground_with_arches(arches):
     """k of m arches in any order, either way round: m! / (m - k)! 2^k paths, each through k arches
     and k + 1 times through the ground."""
@@ -129,7 +132,7 @@ def test_bridges_multiply():
     assert both == pytest.approx(to_bridge * from_bridge, rel=1e-12)
 
 
-@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS])
+@pytest.mark.parametrize("strategy", list(Strategy))
 @pytest.mark.parametrize("points", [2, 5])
 def test_refining_a_patch_changes_no_total(strategy, points):
     """A ring of three with one patch given as several points at its place: paths cross it once."""
@@ -147,7 +150,10 @@ def test_refining_a_patch_changes_no_total(strategy, points):
             objects,
             patch + others,
             (Source("s", "a"),),
-            (Listener("l", "a", (0.3, 0, 0)), Listener("m", "b", (2, 0, 0))),
+            (
+                Listener("l", "a", (0.3, 0, 0), radius=0.0),
+                Listener("m", "b", (2, 0, 0), radius=0.0),
+            ),
         )
 
     whole, refined = run(scene(1), strategy), run(scene(points), strategy)
@@ -168,8 +174,8 @@ def test_pebble_changes_nothing():
     )
     feet = tuple(Contact(("ground", "bench"), ((x, 0, 0), (x, 0, 0))) for x in (1.0, 2.0))
     pebble = Contact(("pebble", "ground"), ((0.5, 0, 0), (0.5, 0, 0)))
-    ends = (Source("s", "ground"),), (Listener("l", "bench", (1.5, 0, 0.5)),)
-    for strategy in (Strategy.BEST_PATH, Strategy.ALL_PATHS):
+    ends = (Source("s", "ground"),), (Listener("l", "bench", (1.5, 0, 0.5), radius=0.0),)
+    for strategy in Strategy:
         with_it = run(HapticScene(objects, (*feet, pebble), *ends), strategy)
         without = run(HapticScene(objects, feet, *ends), strategy)
         assert with_it.gain.tolist() == without.gain.tolist()
@@ -183,7 +189,10 @@ def test_path_may_use_a_rail_that_carries_further_than_soil():
     )
     sleepers = tuple(Contact(("soil", "steel"), ((x, 0, 0), (x, 0, 0))) for x in (1.0, 9.0))
     scene = HapticScene(
-        objects, sleepers, (Source("s", "soil"),), (Listener("l", "soil", (10.0, 0, 0)),)
+        objects,
+        sleepers,
+        (Source("s", "soil"),),
+        (Listener("l", "soil", (10.0, 0, 0), radius=0.0),),
     )
     result = run(scene, Strategy.BEST_PATH)
     assert result.gain[0, 0] == pytest.approx(math.exp(-1 - 0.08 - 1), rel=1e-12)
@@ -198,21 +207,24 @@ def test_source_on_both_sides_of_its_contact():
     )
     contact = Contact(("a", "b"), (ORIGIN, ORIGIN))
     source = Source("impact", "a", ORIGIN, second_object="b")
-    scene = HapticScene(objects, (contact,), (source,), (Listener("l", "b", (1, 0, 0)),))
+    scene = HapticScene(
+        objects, (contact,), (source,), (Listener("l", "b", (1, 0, 0), radius=0.0),)
+    )
     direct = 0.8 * math.exp(-0.8)
     through = 0.5 * direct
     assert run(scene, Strategy.BEST_PATH).gain[0, 0] == pytest.approx(direct, rel=1e-12)
-    assert run(scene, Strategy.ALL_PATHS).gain[0, 0] == pytest.approx(direct + through, rel=1e-12)
+    assert run(scene, Strategy.AS_IN_THE_PAPER).gain[0, 0] == pytest.approx(
+        direct + through, rel=1e-12
+    )
 
 
-@pytest.mark.parametrize("strategy", [Strategy.BEST_PATH, Strategy.ALL_PATHS])
-def test_threshold_that_is_met_exactly_goes_on(strategy):
+def test_threshold_that_is_met_exactly_goes_on():
     """0.1 three times over is 1/1000, whatever its binary digits make of it."""
     scene = scene_of([(0, 1), (1, 2)], [Constant(gain_value=0.1)] * 3, 0, [2])
-    assert run(scene, strategy, threshold=0.001).gain[0, 0] == pytest.approx(1e-3, rel=1e-12)
-    assert run(scene, strategy, threshold=0.001 * (1 + 1e-9)).gain[0, 0] == 0
+    assert run(scene, threshold=0.001).gain[0, 0] == pytest.approx(1e-3, rel=1e-12)
+    assert run(scene, threshold=0.001 * (1 + 1e-9)).gain[0, 0] == 0
     halves = scene_of([(i, i + 1) for i in range(9)], [Constant(gain_value=0.5)] * 10, 0, [9])
-    assert run(halves, strategy, threshold=2.0**-10).gain[0, 0] == 2.0**-10
+    assert run(halves, threshold=2.0**-10).gain[0, 0] == 2.0**-10
 
 
 @pytest.mark.parametrize("threshold", [0.0, 1e-3])
@@ -222,7 +234,7 @@ def test_a_source_that_nothing_joins_to_a_listener(threshold):
     ring = tuple(
         Contact(pair, ((1, 0, 0), (1, 0, 0))) for pair in (("a", "b"), ("b", "c"), ("c", "a"))
     )
-    ends = (Source("s", "a"), Source("alone", "d")), (Listener("l", "b", (2, 0, 0)),)
+    ends = (Source("s", "a"), Source("alone", "d")), (Listener("l", "b", (2, 0, 0), radius=0.0),)
     for contacts in (ring, ()):
         result = run(HapticScene(objects, contacts, *ends), threshold=threshold)
         assert (result.gain[0, 0] > 0) == bool(contacts) and result.gain[1, 0] == 0

@@ -248,12 +248,12 @@ def test_formulas_are_checked_while_they_are_written(formula: str, words: str | 
 
 def test_a_listener_with_a_wrong_formula_is_refused() -> None:
     (mix,) = listener_mixes(
-        [Listener("hand", "box", mixing="custom", mixing_expression="sum", s_max=0.5)]
+        [Listener("hand", "box", mixing="custom", mixing_expression="sum", s_max=0.5, radius=0.0)]
     )
     assert mix.method == MixingExpression("sum", 0.5)
     for formula in ("", "sum +", "loud"):
         with pytest.raises(ValueError, match=r"^mixing_expression: "):
-            Listener("hand", "box", mixing="custom", mixing_expression=formula)
+            Listener("hand", "box", mixing="custom", mixing_expression=formula, radius=0.0)
     form = {
         "format": "haptic-scene",
         "version": "1.1",

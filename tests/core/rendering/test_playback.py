@@ -22,7 +22,7 @@ def traced(numbers, fps=FPS, impact=None, limiter=False, amplitude=lambda number
     tracer = Tracer()
     thing = HapticObject("thing", 0.0, 1.0)
     hum = Source("hum", "thing", signal=Sine(TONE))
-    listener = Listener("skin", "thing", body_part="hand.L", limiter=limiter)
+    listener = Listener("skin", "thing", body_part="hand.L", limiter=limiter, radius=0.0)
     results, last = [], None
     for number in numbers:
         sources = (replace(hum, amplitude=amplitude(number)),)

@@ -83,7 +83,7 @@ def test_the_level_of_a_tone_is_its_rms():
         "signal": {"signal": "sine", "frequency": 80},
     }
     run = ht.open(ht.Scene(objects=[bar], sources=[tone | {"position": [0, 0, 0]}], listeners=[
-        {"name": "hand", "object": "bar", "position": [2, 0, 0], "gain": 2.0}
+        {"name": "hand", "object": "bar", "position": [2, 0, 0], "gain": 2.0, "radius": 0}
     ]))  # fmt: skip
     gain = math.exp(-0.4)
     for frame in range(60):

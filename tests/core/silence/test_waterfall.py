@@ -78,7 +78,7 @@ def chain(settings=BEST, spectrum=None, sources=(("drill", 0.5, 60.0),), **liste
             Source(name, "ground", (0, 0, 0), amplitude, signal=Sine(f))
             for name, amplitude, f in sources
         ),
-        (Listener("skin", "bench", (3, 0, 0), **listener),),
+        (Listener("skin", "bench", (3, 0, 0), **listener, radius=0.0),),
         settings,
     )
 
@@ -124,6 +124,7 @@ def random_scene(seed, settings, banded):
             mixing=("cumulative", "weighted", "strongest", "power")[k],
             limiter=bool(k % 2),
             ducking=6.0 * (k == 2),
+            radius=0.0,
         )
         for k in range(4)
     )
@@ -180,13 +181,11 @@ def test_modes_without_objects_have_only_a_gain(mode):
 
 
 @pytest.mark.parametrize("banded", [False, True], ids=["plain", "bands"])
-@pytest.mark.parametrize(
-    "strategy", ["best_path", "all_paths", "energy_balance", "as_in_the_paper"]
-)
+@pytest.mark.parametrize("strategy", ["best_path", "as_in_the_paper"])
 def test_rows_add_up_on_random_scenes(strategy, banded):
     found = paths = 0
     for seed in range(12):
-        scene = random_scene(seed, Settings(strategy=strategy, max_connections=6), banded)
+        scene = random_scene(seed, Settings(strategy=strategy, threshold=0.0), banded)
         result = traced(scene)
         levels = [level_of(result, column) for column in range(len(scene.listeners))]
         for row, column in np.argwhere(result.amplitudes > 0).tolist():
@@ -202,10 +201,10 @@ def test_rows_add_up_on_random_scenes(strategy, banded):
                 )
                 if strategy == "best_path":
                     assert fall.others == pytest.approx(0.0, abs=1e-6)
-                if strategy == "all_paths":
+                if strategy == "as_in_the_paper":
                     assert fall.others >= -1e-6
                     paths += fall.others > 1e-3
-    assert found > 30 and (strategy != "all_paths" or banded or paths > 5)
+    assert found > 30 and (strategy != "as_in_the_paper" or banded or paths > 5)
 
 
 def test_a_single_source_alone_leaves_nothing_to_the_mix():

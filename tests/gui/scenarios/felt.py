@@ -37,7 +37,6 @@ def steps(window):
     )
     palm.haptics.listener.enabled = True
     listener = palm.haptics.listener
-    window.seen["a new listener feels the strongest of its volume"] = listener.extent == "strongest"
     window.open_only("HAPTIC_PT_roles", "HAPTIC_PT_result")
     yield from window.show_sidebar()
     watched, session = window.module("addon.view.watched"), window.module("addon.session.session")
