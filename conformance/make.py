@@ -434,7 +434,9 @@ def mixed():
     }
     scene = floor_and_crate(
         contacts=[contact],
-        listeners=[{"name": "hand", "object": "post", "position": [9, 0, 1], "gain": 2, "radius": 0}],
+        listeners=[
+            {"name": "hand", "object": "post", "position": [9, 0, 1], "gain": 2, "radius": 0}
+        ],
     )
     scene["objects"].insert(0, post)
     gain = math.exp(-ALPHA * (6 + 1)) * 0.5
