@@ -11,13 +11,19 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..core.formats.io.catalogue import formats, readers
+from ..core.plugins import offered
 from ..sample_scenes import SAMPLES
 
 Parser = argparse.ArgumentParser
 Options = argparse._ActionsContainer
 """A parser, or a group of its arguments."""
 
-FORMAT_NAMES = f"{', '.join(formats())}, or all"
+FORMAT_NAMES = "; ".join(
+    (
+        f"{', '.join(formats())}, or all",
+        *(f"{name}, alone, of a Blender file" for name, _ in offered("exports")),
+    )
+)
 
 
 class Subcommand(NamedTuple):
@@ -324,12 +330,6 @@ def _trace(parser: Parser) -> None:
     _demo(parser)
 
 
-def _engine(parser: Parser) -> None:
-    _add(parser, "file", "FILE.blend", "Blender file with haptic objects")
-    _add_folder(parser)
-    _add_frames(parser)
-
-
 def _sweep(parser: Parser) -> None:
     wanted = "the study, or the table of a sweep to plot"
     _add(parser, "study", "STUDY.toml | plot TABLE.parquet", wanted, nargs="+")
@@ -457,11 +457,6 @@ SUBCOMMANDS: Mapping[str, Subcommand] = {
         "Play a tagged Blender file and write what its listeners feel.",
         _trace,
         "haptic-tracing trace bench.blend --out out --start 1 --end 48 --json",
-    ),
-    "engine": Subcommand(
-        "Write a Blender file as glTF, and its haptics with the same names.",
-        _engine,
-        "haptic-tracing engine bench.blend --out game/assets --frames 1:250",
     ),
     "sweep": Subcommand(
         "Trace every combination of scenes, settings, materials and seeds of a study into one "

@@ -15,6 +15,7 @@ from ..core.formats.export import Export
 from ..core.formats.io.catalogue import Value, formats, named, value_of
 from ..core.formats.io.file_names import file_stem
 from ..core.forms import JsonObject
+from ..core.plugins import offered
 from . import answer, command_module, say
 from .picture import check_matplotlib, write_picture
 from .standard_streams import DASH, folder, put_out
@@ -31,6 +32,9 @@ _ONLY_OF: Mapping[str, tuple[str, tuple[str, ...]]] = MappingProxyType(
 def run(args: argparse.Namespace) -> int:
     """Read or play each file, write it in each format, and print the losses. Exit code 0."""
     names = chosen_formats(args.to)
+    modules = dict(offered("exports"))
+    if names[0] in modules:
+        return _export_files(args, names, modules)
     options = chosen_options(args.options, names)
     kind = _kind_of(args.files)
     for other, (what, arguments) in _ONLY_OF.items():
@@ -46,6 +50,18 @@ def run(args: argparse.Namespace) -> int:
     results = [_written(export, options, args) for export in module.exports(args, names)]
     if args.out != DASH:
         answer(args, {"exports": results})
+    return 0
+
+
+def _export_files(
+    args: argparse.Namespace, names: Sequence[str], modules: Mapping[str, str]
+) -> int:
+    """Let a plug-in write a Blender file itself, with what Blender shows."""
+    if len(names) > 1 or _kind_of(args.files) != "blend" or args.out == DASH:
+        raise ValueError(f"--to {names[0]}: only alone, of a Blender file, into a folder")
+    files = command_module("exported_blend").write_files(args, modules[names[0]])
+    written = {names[0]: registry.Written(tuple(files), ())}
+    answer(args, {"exports": [{"name": args.files[0].stem, **report(written)}]})
     return 0
 
 

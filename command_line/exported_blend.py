@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
+from importlib import import_module
 from pathlib import Path
 
 from bpy.types import Scene
@@ -34,6 +35,16 @@ def write_parts(args: argparse.Namespace) -> list[Path]:
         path
         for scene, name, frames in _played(args)
         for path in write_parts_of(scene, args, name, frames)
+    ]
+
+
+def write_files(args: argparse.Namespace, module: str) -> list[Path]:
+    """Let a plug-in's module write the file in each mode; the files."""
+    write = import_module(module).write
+    return [
+        path
+        for scene, name, frames in _played(args)
+        for path in write(scene, *frames, args.out / name)
     ]
 
 

@@ -68,7 +68,7 @@ def exported(tmp_path_factory):
     file, frames = folder / "hammer.blend", f"1:{FRAMES}"
     for arguments in (
         ("sample", "hammer_nail", "--output", file),
-        ("engine", file, "--out", folder, "--frames", frames),
+        ("export", file, "--to", "gltf", "--out", folder, "--frames", frames),
         ("export", file, "--out", folder, "--frames", frames, "--to", "wav"),
     ):
         command = [sys.executable, "-m", "haptic_tracing", *map(str, arguments)]

@@ -9,6 +9,7 @@ import haptic_tracing as ht
 import pytest
 from haptic_tracing.addon.session import session
 from haptic_tracing.core.formats.haptic_scene import read_export
+from program import run
 
 FRAMES = 60
 
@@ -80,3 +81,18 @@ def test_the_scene_has_the_gains_of_blender(exported):
     gains = ht.load(folder / "bench.json").gains()
     row = [item.name for item in result.sources].index("Motor")
     assert gains["Motor", "Hand"] == pytest.approx(result.propagation.gain[row, 0], rel=1e-6)
+
+
+@pytest.mark.slow
+def test_the_command_writes_what_the_operator_writes(add_box, scene, tmp_path):
+    box = add_box("box", (0, 0, 0), (1, 1, 1))
+    box.haptics.source.enabled = box.haptics.listener.enabled = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    bpy.ops.export_scene.haptic_engine(filepath=str(tmp_path / "a.glb"), frame_start=1, frame_end=3)
+    done = run(
+        "export", tmp_path / "a.blend", "--to", "gltf", "--frames", "1:3", "--out", tmp_path / "out"
+    )
+    assert done.returncode == 0, done.stderr
+    for name in ("a.glb", "a.json"):
+        assert f"wrote {tmp_path / 'out' / name}" in done.stdout
+    assert (tmp_path / "out" / "a.json").read_bytes() == (tmp_path / "a.json").read_bytes()
