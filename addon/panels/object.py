@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from ..properties.materials import HapticMaterial, HapticObjectMaterial
     from ..properties.object import HapticObjectProperties
 
+_AT_ORIGIN = 1e-4
+"""Distance [m] up to which something stands at an origin."""
 _SAME = 0.005
 """Difference of (1 - κ) ρ below which two materials feel the same."""
 
@@ -100,8 +102,29 @@ class HAPTIC_PT_object(ObjectPanel):
         draw_wave_speed(layout, haptics, material)
         draw_held(layout, haptics, HapticObject, kappa=None, rho=None)
         _draw_surface(layout, context, obj)
+        _draw_origin(layout, context, obj)
         for lines in advice(context, obj):
             warn(layout, *lines)
+
+
+def _draw_origin(layout: UILayout, context: Context, obj: Object) -> None:
+    """Say that the origin of a source or listener is outside its body, and offer to move it."""
+    traced, name = sessions.shown(context.scene), obj.name_full
+    reading = None if traced is None else traced.reading
+    if reading is None:
+        return
+    places = (*reading.sources, *reading.listeners)
+    own = next((item for item in places if item.name == item.object == name), None)
+    if own is None:
+        return
+    number = next(k for k, body in enumerate(reading.bodies) if body.name == name)
+    away = math.dist(own.position, reading.transforms[number, :3, 3].tolist())
+    if away > _AT_ORIGIN:
+        unit = context.scene.unit_settings.system
+        length = bpy.utils.units.to_string(unit, "LENGTH", away, precision=2)
+        warn(layout, "Stands on its surface:", ui_text("its origin is {} outside", length))
+        settled = layout.operator("object.origin_set", text="Set Origin", icon="OBJECT_ORIGIN")
+        settled.type = "ORIGIN_GEOMETRY"
 
 
 def draw_override(layout: UILayout, obj: Object) -> None:

@@ -118,6 +118,7 @@ class SceneReader:
         self._rigid = np.zeros((0, 4, 4))  # of the tagged rows
         self._transforms = np.zeros((0, 4, 4))  # of the bodies
         self._placed: list[Source | Listener] = []  # with their positions in this frame
+        self._anchors = np.zeros((0, 3))  # see `TaggedLists.anchors`
         self._tables: dict[str, Any] | None = None  # of rules
         self._meant = ObjectsMeant()
         # Problems of instances; those of objects are in `Tagged`.
@@ -504,9 +505,12 @@ class SceneReader:
             lists = lists.reshaped(reshaped)
         if is_moved or lists is not self._lists:
             self._transforms = self._rigid.take(lists.of_bodies, axis=0)
-            places = self._raw[lists.rows.searchsorted(lists.of_places), 12:15].tolist()
+            if lists is not self._lists:
+                self._anchors = lists.anchors()
+            turns = self._rigid[lists.rows.searchsorted(lists.of_places), :3]
+            places = (turns[..., :3] @ self._anchors[..., None])[..., 0] + turns[..., 3]
             self._placed = [
-                item.moved(place) for place, item in zip(places, lists.places, strict=True)
+                item.moved(place) for place, item in zip(places.tolist(), lists.places, strict=True)
             ]
         self._lists = lists
         self._unchecked, self._postponed = self._postponed, set()

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.arrays import FloatArray, IntArray
+from ...core.contacts.nearest_point import nearest_to_origin
 from ...core.contacts.settings import Body
 from ...core.contacts.surface_shape import SurfaceShape
 from ...core.contacts.tracker import STILL
@@ -99,6 +100,16 @@ class TaggedLists:
             places=tuple(item for _, item in places),
             problems=tuple(dict.fromkeys(problem for t in tagged for problem in t.problems)),
         )
+
+    def anchors(self) -> FloatArray:
+        """Where the sources and listeners stand in the rotated frames of their objects (k, 3) [m]:
+        at the origin, or, where that is outside the object's own body, on the surface."""
+        shapes = {body.name: body.shape for body in self.bodies}
+        places = [
+            nearest_to_origin(shapes[item.object]) if item.name == item.object else np.zeros(3)
+            for item in self.places
+        ]
+        return np.array(places, dtype=np.float64).reshape(-1, 3)
 
     def reshaped(self, changed: Mapping[int, Tagged]) -> TaggedLists:
         """The lists after a change of nothing but the shapes of some objects, by row."""

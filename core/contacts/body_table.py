@@ -21,6 +21,11 @@ STILL = 1e-5
 float32."""
 
 
+_SMALL = 0.1
+"""Part of a body's middle extent up to which a gap may count as none: what is 10 cm wide touches
+over 1 cm, the usual tolerance, and a cube of 1 mm over 0.1 mm."""
+
+
 class BodyTable:
     """``bodies`` as arrays by their number, from 0 to n - 1. What is known of shapes that are also
     in the table ``before`` is taken over. ``passing`` as in `ContactSettings`.
@@ -29,6 +34,8 @@ class BodyTable:
         middle, extent: (3, n) middle and half extents of a body's bounds in its own space [m].
         radius: (n,) of the bounds about their middle [m].
         reach: (n,) of the bounds about the body's origin [m].
+        small: (n,) gap up to which the body can touch [m], by the middle one of its extents: so a
+            sheet counts by its width.
         rest_limits: (12, n) changes of the elements of a pose that count as rest.
         mass: (n,) [kg], 0 of a body without.
         dynamic: (n,) which bodies a simulation moves.
@@ -50,7 +57,7 @@ class BodyTable:
         local = np.array([shape.local_bounds for shape in shapes]).reshape(-1, 2, 3)
         count = len(bodies)
         self.middle, self.extent = np.empty((2, 3, count))
-        self.radius, self.reach = np.empty((2, count))
+        self.radius, self.reach, self.small = np.empty((3, count))
         self.rest_limits = np.empty((12, count))
         self._set_sizes(slice(count), local)
         self.mass = np.array([body.mass or 0.0 for body in bodies], dtype=np.float64)
@@ -80,6 +87,8 @@ class BodyTable:
         self.extent[:, bodies] = (high - low) / 2
         self.radius[bodies] = np.sqrt((self.extent[:, bodies] ** 2).sum(axis=0))
         reach = self.reach[bodies] = np.sqrt((np.abs(local).max(axis=1) ** 2).sum(axis=1))
+        middle = np.median(self.extent[:, bodies], axis=0)
+        self.small[bodies] = np.maximum(2 * _SMALL * middle, STILL)
         self.rest_limits[:9, bodies] = STILL / reach.clip(1e-9)
         self.rest_limits[9:, bodies] = STILL
 
@@ -103,6 +112,10 @@ class BodyTable:
         self._set_sizes(slice(number, number + 1), local[None])
         self.time_of_impact.measure(number, local)
         return True
+
+    def tolerance(self, one: IntArray, other: IntArray, most: float) -> FloatArray:
+        """Gaps (k,) up to which bodies touch others [m]: ``most``, or less where one is small."""
+        return np.minimum(np.minimum(self.small[one], self.small[other]), most)
 
     def keys(self, pairs: IntArray) -> IntArray:
         """One number (k,) for each pair of bodies (k, 2), ascending with the first, then the

@@ -155,8 +155,8 @@ class Candidates:
     def contacts(
         self, rows: IntArray, table: BodyTable, poses: BodyPoses, tolerance: float
     ) -> ContactSet:
-        """Contacts of the pairs ``rows``, each at the centre of its patch, up to whose distance
-        ``tolerance`` [m] they have weight."""
+        """Contacts of the pairs ``rows``, each at the centre of its patch, with weight up to a
+        distance of at most ``tolerance`` [m]."""
         larger = self.larger[rows]
         smaller = self.smaller[rows]
         values = self.values.take(rows, axis=1)
@@ -176,16 +176,16 @@ class Candidates:
             depth=np.maximum(-distance, 0.0),
             distance=distance,
             area=values[_AREA],
-            weight=_weights(distance, tolerance),
+            weight=_weights(distance, table.tolerance(larger, smaller, tolerance)),
             transmission=np.zeros(len(rows), dtype=np.int64),
         )
 
 
-def _weights(distance: FloatArray, tolerance: float) -> FloatArray:
+def _weights(distance: FloatArray, tolerance: FloatArray) -> FloatArray:
     """Weights of contacts by their ``distance`` (k,) [m]: 1 up to the gap of bodies at rest,
-    falling smoothly to 0 at the ``tolerance`` [m]."""
+    falling smoothly to 0 at the ``tolerance`` (k,) [m]."""
     rest = _RESTING * tolerance
-    return 1.0 - smooth_step((distance - rest) / max(tolerance - rest, 1e-300))
+    return 1.0 - smooth_step((distance - rest) / np.maximum(tolerance - rest, 1e-300))
 
 
 def placed(pose: FloatArray, points: FloatArray) -> FloatArray:

@@ -234,8 +234,9 @@ def _gaps(
     return np.asarray(along[:, 1] - along[:, 0])
 
 
-def confirmed(hits: Hits, paths: Paths, tolerance: float) -> BoolArray:
-    """Which hits agree with the poses of the bodies at the end of the interval.
+def confirmed(hits: Hits, paths: Paths, tolerance: FloatArray) -> BoolArray:
+    """Which hits agree with the poses of the bodies at the end of the interval, where bodies touch
+    up to gaps of ``tolerance`` (k,) [m].
 
     Where a hit leaves enough time to show, the bodies must be further apart than on their paths, or
     deep in each other, or have passed through each other; otherwise they must touch. Of several

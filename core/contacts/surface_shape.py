@@ -24,6 +24,10 @@ _FEW, _MOST = 500_000, 20_000_000
 which a mesh isn't compared wholly."""
 
 
+_SMOOTH = 0.01
+"""Part of a body's middle extent up to which its hull may stand for its surface."""
+
+
 class Surface(Enum):
     """What of an object touches others."""
 
@@ -61,6 +65,7 @@ def surface_shape(
         sunk_in: depth inside a solid down to which it is touched [m].
     """
     hulled = ConvexHull(points)
+    tolerance = min(tolerance, _SMOOTH * float(np.median(np.ptp(points, axis=0))))
     if len(triangles) == 0:
         return SurfaceShape(hulled)
     hull = convex_hull(hulled.points)

@@ -322,7 +322,7 @@ class ContactTracker:
         self._queries += len(rows)
         turn, offset = relative_pose(*(poses.take(numbers, axis=1) for numbers in bodies.T))
         place = turned(turn, self._table.middle.take(bodies[:, 1], axis=1)) + offset
-        limit = np.full(len(rows), self.settings.tolerance)
+        limit = self._table.tolerance(bodies[:, 0], bodies[:, 1], self.settings.tolerance)
         found = self._table.narrow.query(bodies, turn, offset, limit)
         touching = found.distance <= limit
         pairs.store(rows, turn, offset, place, found)
@@ -392,7 +392,10 @@ class ContactTracker:
         if search is not None:
             self._history.disturb(self._history.deviated(search.paths) & table.dynamic)
             self._history.hit(hits.pairs, hits.time)
-        reported = pairs.touching & requested & (pairs.distance <= self.settings.tolerance)
+        near = pairs.distance <= table.tolerance(
+            pairs.larger, pairs.smaller, self.settings.tolerance
+        )
+        reported = pairs.touching & requested & near
         return FrameContacts(
             contacts=self._reported_contacts(reported.nonzero()[0], exact),
             impacts=impacts,
@@ -509,8 +512,9 @@ class ContactTracker:
         bodies = pairs.bodies(rows)
         larger, smaller = bodies.T
         pairs.version[:, rows] = self._poses.version[bodies.T]
-        tolerance, slack = self.settings.tolerance, self.settings.slack
-        limit: FloatArray = np.where(before[rows], tolerance + slack, tolerance)
+        most, slack = self.settings.tolerance, self.settings.slack
+        limit = self._table.tolerance(larger, smaller, most)
+        limit *= np.where(before[rows], 1 + slack / most if most else 1.0, 1.0)
         turn, offset = relative_pose(
             self._poses.pose.take(larger, axis=1),
             self._poses.pose.take(smaller, axis=1),
