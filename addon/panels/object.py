@@ -15,7 +15,7 @@ from ...core.declaration import default_of
 from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.functions import Physical
-from ...core.scene.values import HapticObject, Settings
+from ...core.scene.values import HapticObject, Listener, Settings, Source
 from ..blender.polling import is_editable
 from ..blender.words import show_pair, ui_text
 from ..properties.preferences import gain_text, preferences
@@ -113,7 +113,7 @@ def _draw_origin(layout: UILayout, context: Context, obj: Object) -> None:
     reading = None if traced is None else traced.reading
     if reading is None:
         return
-    places = (*reading.sources, *reading.listeners)
+    places: list[Source | Listener] = [*reading.sources, *reading.listeners]
     own = next((item for item in places if item.name == item.object == name), None)
     if own is None:
         return

@@ -94,7 +94,9 @@ class HitSearch:
         each other by the end of the interval although their motion did not lead there. Something
         else has moved these, so their hits are found on paths that lead to their actual poses."""
         if len(hits):
-            tolerance = self.table.tolerance(*hits.pairs.T, self.settings.tolerance)
+            tolerance = self.table.tolerance(
+                hits.pairs[:, 0], hits.pairs[:, 1], self.settings.tolerance
+            )
             hits = hits.chosen(confirmed(hits, self.paths, tolerance))
         if len(arrived):
             arrived = arrived[~among(arrived, np.sort(self.table.keys(hits.pairs)))]
@@ -118,7 +120,9 @@ class HitSearch:
             return Hits.none()
         bodies = pairs.bodies(rows)
         pose, other = (self.poses.pose.take(numbers, axis=1) for numbers in bodies.T)
-        limit = table.tolerance(*bodies.T, self.settings.tolerance + self.settings.slack)
+        limit = table.tolerance(
+            bodies[:, 0], bodies[:, 1], self.settings.tolerance + self.settings.slack
+        )
         normal = pairs.values[NORMAL, rows]
         distance = pairs.distance[rows]
         centre = pairs.values[ON_LARGER, rows] + normal * (distance / 2)

@@ -144,12 +144,11 @@ def test_a_scene_at_another_unit_scale_is_the_same(add_box, add_empty, scene):
 def test_lengths_are_those_that_blender_shows(scene, add_box, traced):
     scene.unit_settings.scale_length = 0.01
     add_box("low", (0, 0, 0), (1, 1, 1))
-    add_box("high", (0, 0, 1.1), (1, 1, 1))
-    add_box("far", (0, 0, 4), (1, 1, 1))
-    scene.haptics.contact_tolerance = 0.002
-    assert len(traced().contacts) == 1  # 2 mm are 0.2 units
+    add_box("high", (0, 0, 1.05), (1, 1, 1))
+    scene.haptics.contact_tolerance = 0.0002
+    assert len(traced().contacts) == 0  # the gap is 0.5 mm
     scene.unit_settings.scale_length = 0.001
-    assert len(traced().contacts) == 2
+    assert len(traced().contacts) == 1  # 0.05 mm
     scene.unit_settings.system = "NONE"  # Blender shows units
     assert len(traced().contacts) == 0
 

@@ -248,7 +248,10 @@ def test_corners_of_boxes(frame, offset):
     """Boxes apart in all three directions: the distance of their corners."""
     apart = np.array(offset)
     found, _, _ = contact(
-        (Box((1, 1, 1)), at()), (Box((1, 1, 1)), Pose(tuple(1 + apart))), frame, tolerance=1.0
+        (Box((10, 10, 10)), at()),
+        (Box((10, 10, 10)), Pose(tuple(10 + apart))),
+        frame,
+        tolerance=1.0,
     )
     np.testing.assert_allclose(found.distance[0], np.linalg.norm(apart), atol=1e-6)
 
