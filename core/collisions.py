@@ -268,6 +268,7 @@ class CollisionDetector:
             frame.continuous,
             frame.struck is None and (self.settings.impacts or hits),
             frame.exact,
+            frame.motion,
         )
         return found if frame.struck is None else replace(found, impacts=frame.struck)
 

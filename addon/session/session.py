@@ -13,6 +13,7 @@ import numpy as np
 from bpy.types import Depsgraph, Scene
 
 from ...core.arrays import FloatArray
+from ...core.contacts.known_motion import KnownMotion
 from ...core.events.frame import EXACT_FRAMES
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import History
@@ -26,6 +27,7 @@ from ..changes.suspension import is_stepped
 from ..scene_reader.digest import motion_of
 from ..scene_reader.evaluation import Evaluation
 from ..scene_reader.kept_impacts import impacts_from_text, text_of_impacts
+from ..scene_reader.known_motion import known_motion
 from ..scene_reader.problem import Problem
 from ..scene_reader.reader import SceneReader
 from ..scene_reader.reading import Reading
@@ -268,16 +270,16 @@ def begin(
         session.motion = motion_of(scene)
     _restore_impacts(scene, session, reading, baked_impacts)
     restore = whole and not is_stepped(scene) and not is_playing()  # the timeline is paused
-    anew = (
-        set_elsewhere(scene, session.request.frame.number, session.request.reading, reading)
-        if continuous and session.request is not None
-        else frozenset()
-    )
+    anew, motion = frozenset[str](), None
+    if continuous and session.request is not None:
+        interval = scene, session.request.frame.number, session.request.reading, reading
+        anew = set_elsewhere(*interval)
+        motion = known_motion(*interval, session.request.frame.motion)
     session.last = (scene.frame_current, duration) if whole else None
     heard = not (live and continuous) or plays or session.is_asked or shows_samples(session)
     session.is_asked = not continuous
     request = TraceRequest(
-        frame_of(scene, reading, continuous, restore, exact, heard, anew),
+        frame_of(scene, reading, continuous, restore, exact, heard, anew, motion),
         reading,
         1000 * (time.perf_counter() - started),
         {
@@ -385,6 +387,7 @@ def frame_of(
     exact: bool = False,
     heard: bool = True,
     anew: frozenset[str] = frozenset(),
+    motion: KnownMotion | None = None,
 ) -> Frame:
     """The tracer's input for a reading.
 
@@ -396,7 +399,7 @@ def frame_of(
             that does.
         exact: motions below the tolerance of rest count.
         heard: its samples are rendered.
-        anew: as of `Frame`.
+        anew, motion: as of `Frame`.
     """
     return Frame(
         number=scene.frame_current,
@@ -413,6 +416,7 @@ def frame_of(
         duration=frame_seconds(scene),
         heard=heard,
         anew=anew,
+        motion=motion,
     )
 
 

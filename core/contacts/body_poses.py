@@ -12,6 +12,11 @@ _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
 """Indices of the rotation and then the position in the upper three rows of a 4 x 4 matrix."""
 
 
+def columns_of(transforms: FloatArray) -> FloatArray:
+    """Rigid transforms (n, 4, 4) as poses (12, n)."""
+    return transforms.reshape(-1, 16).T.take(_COLUMNS, axis=0)
+
+
 class BodyPoses:
     """Poses of n bodies, none of which is placed at first.
 
@@ -39,7 +44,7 @@ class BodyPoses:
             has changed; of those that have left the place where they rested; of those that are left
             out from now on.
         """
-        columns = transforms.reshape(-1, 16).T.take(_COLUMNS, axis=0)
+        columns = columns_of(transforms)
         moved = (columns != self.pose).any(axis=0).nonzero()[0]
         if len(moved) == 0:
             self.last_extents = self.extents

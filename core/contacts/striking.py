@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import BoolArray, FloatArray
 from .body_table import BodyTable
+from .known_motion import Samples
 from .motion import MotionHistory, Paths
 from .narrow.frames import dot
 from .settings import ContactSettings, ImpactEnergy
@@ -51,10 +52,15 @@ class Striking:
         return moving & (table.mass > 0) & (moving & (energy >= self.least / 2)).any()
 
     def paths(
-        self, table: BodyTable, history: MotionHistory, airborne: BoolArray
+        self,
+        table: BodyTable,
+        history: MotionHistory,
+        airborne: BoolArray,
+        samples: Samples | None,
     ) -> tuple[Paths, FloatArray] | None:
         """The paths of the bodies, and upper bounds on their energies (n,) [J]; None if none is
-        fast enough for an impact. ``airborne`` as in `MotionHistory.paths`."""
+        fast enough for an impact. ``airborne`` as in `MotionHistory.paths`; ``samples`` of known
+        motion."""
         if self._none_strikes(table):
             return None
         if not history.moving().any():
@@ -63,5 +69,7 @@ class Striking:
         if paths is None:
             return None
         speed = paths.fastest() + np.sqrt(dot(paths.spin, paths.spin)) * table.reach
+        if samples is not None:
+            speed[samples.bodies] = samples.speeds(table.reach)
         energy = self._energies(table, speed)
         return (paths, energy) if (energy >= self.least / 2).any() else None

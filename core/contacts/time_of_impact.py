@@ -86,6 +86,14 @@ class TimeOfImpact:
             else meetings.hits(self._narrow.query(*meetings.placing))
         )
 
+    def hits_after(self, paths: Paths, pairs: IntArray, after: FloatArray) -> Hits:
+        """The hits of ``pairs`` (p, 2) that touch ``after`` (p,) seconds on their paths."""
+        moving = _MovingPairs(self._narrow, paths, pairs)
+        poses = moving.poses(after)
+        placing = pairs, *relative_pose(*poses), np.full(len(pairs), _AROUND)
+        zero, no = np.zeros(len(pairs)), np.zeros(len(pairs), dtype=np.bool_)
+        return self.hits_at(Meetings(moving, after, poses, placing, zero, zero, no, no))
+
     def meetings(self, paths: Paths, pairs: IntArray) -> Meetings | None:
         """The pairs among ``pairs`` (p, 2) that meet on their paths, None if there are none."""
         if len(pairs) == 0:

@@ -18,6 +18,7 @@ from .candidates import Candidates
 from .contact_set import ContactSet
 from .hit_search import PRESSING_DISTANCE, HitSearch
 from .impacts import Hits, Impact
+from .known_motion import KnownHits, KnownMotion, Samples
 from .motion import MotionHistory
 from .narrow.body_patches import PairPatches
 from .narrow.frames import relative_pose, turned, turned_back, upwards
@@ -209,6 +210,7 @@ class ContactTracker:
         continuous: bool = True,
         impacts: bool = True,
         exact: bool = False,
+        motion: KnownMotion | None = None,
     ) -> FrameContacts:
         """The contacts at ``time`` [s] under rigid world ``transforms`` (n, 4, 4), scale being in
         the shapes.
@@ -225,6 +227,8 @@ class ContactTracker:
                 have parted.
             exact: contacts are computed again for all bodies that have moved, even if only by
                 rounding.
+            motion: known of some bodies since the last frame; hits between these, and with those
+                that stand still, are found on it.
 
         A body whose transform is not finite is left out, with a warning.
         """
@@ -249,7 +253,9 @@ class ContactTracker:
             and _same_request(endpoints, self._last_endpoints)
         ):
             return self._unchanged(warnings)
-        search = self._near_pairs(moved, impacts)
+        names = [body.name for body in self.bodies] if motion is not None else ()
+        samples = None if motion is None else motion.numbered(names)
+        search = self._near_pairs(moved, impacts, samples)
         if impacts:
             striking = self._striking.soon(self._table, self._history)
         else:
@@ -258,8 +264,9 @@ class ContactTracker:
         if impacts and endpoints is not None:
             late = ~self._pairs.examined & self._pairs.one_of(striking)
             if self._examine_last_frame(late.nonzero()[0]):
-                search = self._near_pairs(moved, impacts)
-        result = self._contacts(endpoints, striking, search, warnings, exact)
+                search = self._near_pairs(moved, impacts, samples)
+        known = None if search is None or samples is None else KnownHits(search, samples)
+        result = self._contacts(endpoints, striking, search, known, warnings, exact)
         if not impacts:
             self._pairs.struck |= self._pairs.touching
         self._last, self._last_endpoints = result, endpoints
@@ -287,13 +294,15 @@ class ContactTracker:
         statistics = ContactStatistics(len(self._pairs.key), 0, perf_counter() - self._begun)
         return FrameContacts(self._last.contacts, (), statistics, warnings)
 
-    def _near_pairs(self, moved: IntArray, impacts: bool) -> HitSearch | None:
+    def _near_pairs(
+        self, moved: IntArray, impacts: bool, samples: Samples | None
+    ) -> HitSearch | None:
         """Update the near pairs. Returns the search for hits between them, None if nothing is fast
-        enough for an impact."""
+        enough for an impact. ``samples``: of known motion."""
         table, poses = self._table, self._poses
         fast = None
         if impacts:
-            fast = self._striking.paths(table, self._history, self._airborne)
+            fast = self._striking.paths(table, self._history, self._airborne, samples)
         if fast is None:
             self._near.widen(table, self._history, poses.extents, moved)
             return None
@@ -304,6 +313,10 @@ class ContactTracker:
         extents = poses.extents.copy()
         for other in (poses.last_extents[..., rows], ahead):
             extents[..., rows] = np.maximum(extents[..., rows], other)
+        if samples is not None:
+            rows = samples.bodies
+            way = samples.extents(table, self._grow)
+            extents[..., rows] = np.maximum(extents[..., rows], way)
         self._near.widen(table, self._history, extents, moved)
         a, b = self._near.larger, self._near.smaller
         collide = (table.layers[a] & table.layers[b]) > 0
@@ -336,6 +349,7 @@ class ContactTracker:
         endpoints: Endpoints | None,
         striking: BoolArray,
         search: HitSearch | None,
+        known: KnownHits | None,
         warnings: tuple[Message, ...],
         exact: bool,
     ) -> FrameContacts:
@@ -345,6 +359,7 @@ class ContactTracker:
             endpoints: as in `update`.
             striking: which bodies may soon take part in an impact (n,), see `Striking.soon`.
             search: for hits, None where there can be none.
+            known: the hits of bodies whose motion is known, None without these.
             warnings: about bodies that were left out.
             exact: as in `update`.
         """
@@ -374,10 +389,15 @@ class ContactTracker:
             self._query(rows, before, None, exact)
         else:
             last = pairs.values.copy()
-            free = search.able[~among(search.keys, struck)]
+            exactly = np.zeros(0, dtype=np.int64) if known is None else known.keys
+            apart = ~among(search.keys, struck) & ~among(search.keys, exactly)
+            free = search.able[apart]
             hits = self._query(rows, before, search.meetings(pairs, free), exact)
             if len(search.able):
                 hits = self._hits(search, hits, free, before, queried, last)
+            if known is not None:
+                hits = known.hits().joined(known.landed(hits))
+                struck = struck[~among(struck, exactly)]
             impacts = self._recent.of(
                 hits,
                 self._history.times[-1] - search.paths.duration,

@@ -10,6 +10,7 @@ from ..arrays import FloatArray
 from ..contacts.authored import AuthoredContacts
 from ..contacts.contact_set import ContactSet
 from ..contacts.impacts import Impact
+from ..contacts.known_motion import KnownMotion
 from ..contacts.settings import Body
 from ..frozen import frozen
 from ..scene.values import HapticObject, Listener, Settings, Source
@@ -34,9 +35,9 @@ class Frame:
     contacts and gains are recomputed also after motions below the tolerance of rest. ``duration``
     [s]: of a frame that is not continuous, for triggers at given times. ``heard``: its samples are
     rendered. ``struck``: the impacts since the previous frame, which number the objects; None: they
-    are found.
-    ``anew``: names of bodies that appeared or were set elsewhere since the previous frame, without
-    a motion in between: they make no impact in this frame.
+    are found. ``anew``: names of bodies that appeared or were set elsewhere since the previous
+    frame, without a motion in between: they make no impact in this frame. ``motion``: known of some
+    bodies since the previous frame.
     """
 
     number: int
@@ -56,6 +57,7 @@ class Frame:
     heard: bool = True
     struck: tuple[Impact, ...] | None = None
     anew: frozenset[str] = frozenset()
+    motion: KnownMotion | None = None
 
     @property
     def names(self) -> tuple[str, ...]:

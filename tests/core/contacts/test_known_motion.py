@@ -1,0 +1,81 @@
+"""Blows of bodies whose motion between frames is known, against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from haptic_tracing.core.contacts.known_motion import KnownMotion
+from haptic_tracing.core.contacts.settings import Body, ContactSettings
+from haptic_tracing.core.contacts.shapes import Box
+from haptic_tracing.core.contacts.tracker import ContactTracker
+
+MASS, HEIGHT, LAST = 20.0, 1.5, 0.25
+BOUNCES = [(1 / 2.75, 5.5), (2 / 2.75, 2.75), (2.5 / 2.75, 1.375), (1.0, 0.6875)]
+
+
+def bounce(u):
+    """Penner's equation, with the places above and the speeds there."""
+    for end, rise, height in ((1, 0, 0), (2, 1.5, 0.75), (2.5, 2.25, 0.9375)):
+        if u < end / 2.75:
+            return 7.5625 * (u - rise / 2.75) ** 2 + height
+    return 7.5625 * (u - 2.625 / 2.75) ** 2 + 0.984375
+
+
+WAYS = {  # the way down by time, both up to 1, and where it touches with which speed
+    "at constant speed": (lambda u: u, [(1.0, 1.0)]),
+    "smooth step": (lambda u: 3 * u**2 - 2 * u**3, []),
+    "cubic in": (lambda u: u**3, [(1.0, 3.0)]),
+    "cubic out": (lambda u: 1 - (1 - u) ** 3, []),
+    "quintic out": (lambda u: 1 - (1 - u) ** 5, []),
+    "sine out": (lambda u: math.sin(math.pi / 2 * u), []),
+    "back out": (
+        lambda u: 1 + 2.70158 * (u - 1) ** 3 + 1.70158 * (u - 1) ** 2,
+        [(0.370154, 1.071734)],
+    ),
+    "bounce out": (bounce, BOUNCES),
+    "a jump": (lambda u: 0.0, []),
+}
+
+
+def blows(way, rate, begin, known=True):
+    """Of a box that goes down to the floor from ``begin`` [s] on."""
+
+    def pose(time):
+        u = (time - begin) / LAST
+        matrix = np.eye(4)
+        matrix[2, 3] = np.float32(
+            0.2 + HEIGHT * (1 - (0.0 if u <= 0 else 1.0 if u >= 1 else way(u)))
+        )
+        return matrix
+
+    floor = Body("floor", Box((20, 20, 1)), motion="static")
+    box = Body("box", Box((0.4, 0.4, 0.4)), MASS, motion="kinematic")
+    tracker = ContactTracker([floor, box], ContactSettings(refractory=0.0))
+    (ground,) = np.eye(4)[None].copy()
+    ground[2, 3] = -0.5
+    count = 8 * math.ceil(1 / rate / 0.0007 / 8)
+    step = 1 / rate / count
+    found = []
+    for frame in range(math.ceil((begin + LAST) * rate) + 4):
+        time = frame / rate
+        samples = [pose(time - 1 / rate + (k - 2) * step) for k in range(count + 3)]
+        motion = KnownMotion(step, {"box": np.array(samples)}) if known and frame else None
+        found += tracker.update(time, np.array([ground, pose(time)]), motion=motion).impacts
+    return found
+
+
+@pytest.mark.parametrize("name", WAYS)
+@pytest.mark.parametrize("rate", [24, 25, 30, 60])
+def test_blows_come_where_and_as_fast_as_the_motion_touches(name, rate):
+    """Whatever the phase of the frames; nothing strikes that comes to rest where it touches."""
+    way, touches = WAYS[name]
+    for phase in range(8):
+        begin = (10 + phase / 8) / rate
+        found = blows(way, rate, begin)
+        assert len(found) == len(touches)
+        for blow, (part, speed) in zip(found, touches, strict=True):
+            assert blow.time == pytest.approx(begin + part * LAST, abs=0.0005)
+            truth = MASS / 2 * (HEIGHT / LAST * speed) ** 2
+            assert blow.energy == pytest.approx(truth, rel=0.02)
