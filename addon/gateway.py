@@ -31,7 +31,6 @@ _LENT = {
     "addon.view": "comparison explanation gain_plot graph_mesh inspection lane levels "
     "meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture table watched",
-    "addon.vr": "controllers drawing recording",
     "core": "felt signals",
     "core.devices": "connection mapping profile_files profiles",
     "core.formats": "haptic_scene registry",

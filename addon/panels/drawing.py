@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from bpy.types import Context, Object, Panel, UILayout
 
@@ -16,13 +16,16 @@ from .texts import ICON, content_width, draw_sentence, fitted, lines
 
 
 class HapticsPanel(Panel):
-    """A panel with a button that opens its page of the documentation."""
+    """A panel with a button that opens its page of the documentation, by default that of its
+    module's name."""
+
+    page: ClassVar[str] = ""
 
     def draw_header_preset(self: Any, context: Context) -> None:
         """Draw the button."""
         module = type(self).__module__.rpartition(".")[2]
         self.layout.operator("wm.url_open", text="", icon="HELP", emboss=False).url = page_url(
-            _PAGES.get(module, f"panels/{module}")
+            self.page or _PAGES.get(module, f"panels/{module}")
         )
 
 
@@ -62,7 +65,6 @@ _PAGES = {
     "live_output": "devices",
     "quick_start": "tutorial",
     "export": "formats",
-    "vr": "vr",
 }
 """Documentation pages by panel module, if they differ from the module's name."""
 

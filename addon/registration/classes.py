@@ -21,7 +21,6 @@ from ..operators import (
     tagging,
     tracing,
 )
-from ..operators import vr as vr_operators
 from ..panels import bake as bake_panel
 from ..panels import (
     export,
@@ -41,7 +40,6 @@ from ..panels import live_output as live_output_panels
 from ..panels import materials as materials_panels
 from ..panels import rules as rules_panels
 from ..panels import sound as sound_panels
-from ..panels import vr as vr_panels
 from .properties import classes_of
 
 CLASSES = (
@@ -68,9 +66,7 @@ CLASSES = (
         export,
     ),
     *classes_of(materials_panels),
-    *classes_of(
-        rules_panels, bake_panel, live_output_panels, vr_operators, vr_panels, object_menus
-    ),
+    *classes_of(rules_panels, bake_panel, live_output_panels, object_menus),
 )
 """All classes, a panel before its subpanels."""
 

@@ -14,8 +14,6 @@ from ..gateway import is_loaded
 from ..live_output import player
 from ..session import session
 from ..view import lane, meters, overlay
-from ..vr import controllers
-from ..vr import drawing as hands
 
 _handlers: list[tuple[Any, Any, str]] = []
 
@@ -31,11 +29,6 @@ def _draw_pixels() -> None:
     overlay.draw_pixels()
 
 
-def _draw_hands() -> None:
-    if is_loaded(controllers):
-        hands.draw()
-
-
 def _draw_lane() -> None:
     if bpy.context.scene is not None:
         lane.draw(waves.waves_of(bpy.context.scene))
@@ -45,7 +38,6 @@ _STAGES: tuple[tuple[Any, Callable[[], None], str, str], ...] = (
     (SpaceView3D, lambda: overlay.draw_view(), "WINDOW", "POST_VIEW"),
     (SpaceView3D, _draw_pixels, "WINDOW", "POST_PIXEL"),
     (SpaceView3D, lambda: meters.draw_redo_panel(), "HUD", "POST_PIXEL"),
-    (SpaceView3D, _draw_hands, "WINDOW", "POST_VIEW"),
     (SpaceDopeSheetEditor, _draw_lane, "WINDOW", "POST_PIXEL"),
 )
 

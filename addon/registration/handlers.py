@@ -29,7 +29,6 @@ from ..live_output import handlers as live_output
 from ..scene_reader import roles
 from ..scene_reader.present import traced_layer
 from ..session import session, sessions, worker
-from ..vr import handlers as vr
 from . import properties
 
 if TYPE_CHECKING:
@@ -298,7 +297,6 @@ def register() -> None:
     """Start listening to Blender's events, and trace the scenes that are shown."""
     _HANDLERS.add()
     live_output.register()
-    vr.register()
     _trace_soon()
 
 
@@ -307,7 +305,6 @@ def unregister() -> None:
     job.stop()
     if bpy.app.timers.is_registered(trace_opened):
         bpy.app.timers.unregister(trace_opened)
-    vr.unregister()
     live_output.unregister()
     _HANDLERS.remove()
     file_changed()

@@ -15,7 +15,7 @@ class Stage:
     def __init__(self, window):
         self.window, self.marks, self.sent, self.called = window, [], {}, []
         self.outputs = window.module("addon.live_output.outputs")
-        self.actions = window.module("addon.vr.actions")
+        self.actions = window.module("plugins.vr.actions")
         self.vibrate, self.actions.vibrate = self.actions.vibrate, self.note
         self.ticks, self.ended = [], False
         bpy.app.timers.register(self.tick, persistent=True)

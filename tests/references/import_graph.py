@@ -29,7 +29,7 @@ LAYERS = (
     ("addon.scene_reader",),
     ("addon.session",),
     ("addon.view", "addon.bake", "addon.io", "addon.live_output"),
-    ("addon.authoring", "addon.vr"),
+    ("addon.authoring",),
     ("sample_scenes",),
     ("addon.operators",),
     ("addon.panels",),

@@ -28,7 +28,7 @@ class Hands(Stage):
         super().__init__(window)
         self.places, self.asked = {"left": AWAY, "right": AWAY}, []
         self.actions.grips = self.grips
-        self.controllers, self.failures = window.module("addon.vr.controllers"), []
+        self.controllers, self.failures = window.module("plugins.vr.controllers"), []
 
     def grips(self):
         self.asked.append(time.perf_counter())

@@ -8,12 +8,12 @@ import bpy
 import numpy as np
 from bpy.types import Mesh, Object, Scene
 
+from ...addon.blender.arrays import write_keys
+from ...addon.blender.compatibility import ensure_fcurve
+from ...addon.blender.units import metres_per_unit
+from ...addon.io.property_writer import write_body, write_listener
 from ...core.contacts.shape_surface import surface
 from ...core.scene.values import Listener
-from ..blender.arrays import write_keys
-from ..blender.compatibility import ensure_fcurve
-from ..blender.units import metres_per_unit
-from ..io.property_writer import write_body, write_listener
 from .hands import NAMES, OBJECTS, PARTS, SHAPE, Grips
 
 

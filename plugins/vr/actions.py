@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from ..blender.units import metres_per_unit
+from ...addon.blender.units import metres_per_unit
 
 ACTION = "haptic_tracing"
 HANDS = {"left": "/user/hand/left", "right": "/user/hand/right"}

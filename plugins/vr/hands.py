@@ -27,7 +27,7 @@ from ...core.scene.values import HapticObject, Listener, Pose
 from ...core.tracer import Frame, Tracer
 
 if TYPE_CHECKING:
-    from ..scene_reader.reading import Reading
+    from ...addon.scene_reader.reading import Reading
 
 PARTS = {"left": "hand.L", "right": "hand.R"}
 NAMES = {hand: f"VR hand, {hand}\0" for hand in PARTS}

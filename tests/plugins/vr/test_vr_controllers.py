@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from haptic_tracing.core.devices.profiles import Adjustment
-from haptic_tracing.core.devices.vr_controllers import LONGEST, Call, VrControllers
+from haptic_tracing.plugins.vr.device import LONGEST, Call, VrControllers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..view import touching_shape
+from ...addon.view import touching_shape
 from . import controllers
 from .hands import SHAPE
 

@@ -13,17 +13,24 @@ from statistics import median
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import FloatArray
-from ..frozen import frozen
-from .actuation import calibrated, checked_block
-from .families.family import RumbleFamily
-from .high_pass import HighPass
-from .limits import DriveLimits
-from .pacing import WATCHDOG, Ahead, SampleQueue, join
-from .profiles import Actuator, Adjustment, Calibration, DriveChannel, Profile, check_adjustment
-from .report import Report, Tones, Transport
-from .status import Output, State, Status
-from .writer import SAMPLE_RATE
+from ...core.arrays import FloatArray
+from ...core.devices.actuation import calibrated, checked_block
+from ...core.devices.families.family import RumbleFamily
+from ...core.devices.high_pass import HighPass
+from ...core.devices.limits import DriveLimits
+from ...core.devices.pacing import WATCHDOG, Ahead, SampleQueue, join
+from ...core.devices.profiles import (
+    Actuator,
+    Adjustment,
+    Calibration,
+    DriveChannel,
+    Profile,
+    check_adjustment,
+)
+from ...core.devices.report import Report, Tones, Transport
+from ...core.devices.status import Output, State, Status
+from ...core.devices.writer import SAMPLE_RATE
+from ...core.frozen import frozen
 
 LONGEST = 0.060
 """Seconds that a call lasts at most, so that the controllers are silent soon after the last one."""

@@ -9,13 +9,13 @@ from typing import Any
 
 import bpy
 
+from ...addon.blender.time import is_playing_anywhere
+from ...addon.live_output import outputs
+from ...addon.session import sessions
 from ...core.devices.inventory import Found
 from ...core.devices.profiles import Adjustment
-from ...core.devices.vr_controllers import LONGEST, PROFILE, VrControllers
-from ..blender.time import is_playing_anywhere
-from ..live_output import outputs
-from ..session import sessions
 from . import actions
+from .device import LONGEST, PROFILE, VrControllers
 from .hands import Grips, Hands
 
 KEY = PROFILE.name

@@ -8,9 +8,9 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import session
-from haptic_tracing.addon.vr import actions, recording
-from haptic_tracing.addon.vr.hands import Glide, Hands, frame_of, settings_of
 from haptic_tracing.core.tracer import Tracer
+from haptic_tracing.plugins.vr import actions, recording
+from haptic_tracing.plugins.vr.hands import Glide, Hands, frame_of, settings_of
 from haptic_tracing.sample_scenes import SAMPLES
 
 FAR = ((100.0, 0.0, 50.0), (1.0, 0.0, 0.0, 0.0))

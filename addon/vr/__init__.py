@@ -1,1 +1,0 @@
-"""Blender's virtual-reality session: its controllers as a device."""
