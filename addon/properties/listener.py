@@ -12,8 +12,7 @@ from .kinds import switch
 
 
 def _enabled_edited(self: HapticListenerProperties, context: Context) -> None:
-    """Give a new listener a limiter; listeners of files in which it was off by default are not
-    affected."""
+    """Give a new listener a limiter, except in a scene as in the paper."""
     if (
         self.enabled
         and (context.scene is None or context.scene.haptics.strategy != "as_in_the_paper")

@@ -1,5 +1,4 @@
-"""A listener that is made now turns its mix down where it would be cut off; those of older files,
-and as in the paper, do not."""
+"""A new listener turns its mix down where it would be cut off, but not as in the paper."""
 
 import bpy
 import numpy as np

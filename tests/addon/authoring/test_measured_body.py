@@ -1,5 +1,4 @@
-"""Bodies of flesh: measured by default, or felt all over; those of earlier files stay the
-paper's."""
+"""Bodies of flesh: measured by default, or felt all over."""
 
 from __future__ import annotations
 

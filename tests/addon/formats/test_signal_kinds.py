@@ -7,7 +7,6 @@ import bpy
 import pytest
 from haptic_tracing.addon.io.property_writer import write_source
 from haptic_tracing.addon.properties.signal_kinds import PLAIN
-from haptic_tracing.addon.properties.source import SIGNAL_ITEMS
 from haptic_tracing.addon.scene_reader.signals import read_signal
 from haptic_tracing.core.scene.values import Source
 from haptic_tracing.core.signals import Noise, Pulse, Saw, Sine
@@ -16,14 +15,6 @@ from haptic_tracing.core.signals import Noise, Pulse, Saw, Sine
 @pytest.fixture
 def properties():
     return bpy.data.objects.new("Drill", None).haptics.source
-
-
-def test_the_kinds_have_the_numbers_by_which_files_store_them():
-    """As version 0.1 numbered them: a file that stores 1 has a pulse train."""
-    numbers = {kind: number for kind, _, _, _, number in SIGNAL_ITEMS}
-    first = ["SINE", "PULSE", "NOISE", "FILE", "DRAWN", "SOUND", "KEPT", "BLAST"]
-    assert [numbers[kind] for kind in first] == list(range(8))
-    assert len(set(numbers.values())) == len(numbers)
 
 
 @pytest.mark.parametrize(
