@@ -15,7 +15,7 @@ from ..core.devices.connection import connected, hid_module, missing_permission
 from ..core.devices.families.family import RumbleFamily
 from ..core.devices.families.registry import family
 from ..core.devices.guard import DeviceOutput
-from ..core.devices.profile_files import BUILT_IN, load_profiles
+from ..core.devices.profile_files import load_profiles
 from ..core.devices.profiles import Actuator, Profile
 from ..core.devices.report import Report, Transport
 from ..core.formats.io.strict_json import read_json
@@ -182,9 +182,7 @@ def _profiles(args: argparse.Namespace) -> dict[str, Profile]:
     """The built-in profiles and the user's; an invalid file is named on stderr and skipped."""
     if args.profiles is not None and not args.profiles.is_dir():
         raise ValueError(f"{args.profiles}: is not a folder")
-    profiles, problems = load_profiles(
-        [BUILT_IN] if args.profiles is None else [BUILT_IN, args.profiles]
-    )
+    profiles, problems = load_profiles(() if args.profiles is None else (args.profiles,))
     for problem in problems:
         print(problem, file=sys.stderr)
     return profiles

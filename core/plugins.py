@@ -1,9 +1,9 @@
 """Plug-ins: packages that offer formats or device families, and may have a part in Blender.
 
 Found are those in the folder `plugins`, those that other packages name as entry points
-(``haptic_tracing.formats``, ``haptic_tracing.devices``), and those
-that another extension of Blender adds. A plug-in lists what it offers as ``FORMATS`` and
-``DEVICES``. One that fails is left out, and the reason kept.
+(``haptic_tracing.formats``, ``haptic_tracing.devices``), and those that another extension of
+Blender adds. A plug-in lists what it offers as ``FORMATS`` and ``DEVICES``. One that fails is left
+out, and the reason kept.
 """
 
 from __future__ import annotations

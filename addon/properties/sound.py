@@ -50,7 +50,7 @@ def sound_path(owner: bpy.types.ID, path: str) -> Path:
 
 def device_profiles() -> Mapping[str, Profile]:
     """The built-in and the user's device profiles, by name."""
-    return profile_files.load_profiles((profile_files.BUILT_IN, *profile_folders()))[0]
+    return profile_files.load_profiles(profile_folders())[0]
 
 
 def _matching_devices(self: PropertyGroup, context: Context, typed: str) -> list[str]:

@@ -21,7 +21,7 @@ from .force_feedback import ForceFeedbackModule, event_nodes, force_feedback_pro
 from .guard import DeviceOutput
 from .mapping import ActuatedDevice
 from .network import bhaptics, intiface
-from .profile_files import BUILT_IN, load_profiles
+from .profile_files import load_profiles
 from .profiles import Adjustment, Profile
 from .sound_card import sound_cards, sound_module
 
@@ -63,7 +63,7 @@ def look(
 
     folders: those with the user's device profiles.
     """
-    profiles, problems = load_profiles((BUILT_IN, *folders))
+    profiles, problems = load_profiles(folders)
     gamepads: list[Connected] = []
     looks: list[Callable[[], Sequence[Found]]] = [
         partial(_hid_devices, tuple(profiles.values()), gamepads),

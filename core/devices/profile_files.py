@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
+from .. import plugins
 from ..declaration import declared
 from ..formats.io.error import FormatError, errors_in
 from ..formats.io.schema import validate
@@ -15,7 +16,7 @@ from ..scene.body import BODY_PART
 from ..scene.references import Place, PlacedError, named
 from ..scene.values import Listener
 from .families.family import AnyFamily, RumbleFamily
-from .families.registry import FAMILIES
+from .families.registry import families
 from .profiles import Actuator, Calibration, DriveChannel, Profile
 
 MAX_BYTES = 2**20
@@ -32,10 +33,11 @@ def parse_profile(data: bytes, file: str | Path) -> Profile:
 
 
 def _profile(document: Form) -> Profile:
-    family = FAMILIES.get(document["family"])
+    known = families()
+    family = known.get(document["family"])
     if family is None:
         raise PlacedError(
-            ("family",), f"{document['family']!r} is unknown: use one of {', '.join(FAMILIES)}"
+            ("family",), f"{document['family']!r} is unknown: use one of {', '.join(known)}"
         )
     interval = document.get("minimum_interval")
     if interval is not None and interval < min(family.minimum_interval.values()):
@@ -134,10 +136,9 @@ def _parsed(data: bytes, file: Path) -> Profile:
     return parse_profile(data, file)
 
 
-def load_profiles(
-    folders: Iterable[Path] = (BUILT_IN,),
-) -> tuple[dict[str, Profile], tuple[str, ...]]:
-    """Profiles by name from the ``*.json`` files of the folders, and one line for each invalid
+def load_profiles(folders: Iterable[Path] = ()) -> tuple[dict[str, Profile], tuple[str, ...]]:
+    """Profiles by name from ``*.json`` files: those that are built in, those in the folder
+    `profiles` of each plug-in, and those in the folders of the user; and one line for each invalid
     file.
 
     A later folder's profile replaces an earlier one of the same name, so a user's file can override
@@ -145,7 +146,8 @@ def load_profiles(
     """
     profiles: dict[str, Profile] = {}
     problems: list[str] = []
-    for folder in folders:
+    offered = (Path(item.__file__ or "").parent for item in plugins.plugins().values())
+    for folder in (BUILT_IN, *(folder / "profiles" for folder in offered), *folders):
         seen: set[str] = set()
         for file in sorted(folder.glob("*.json")):
             try:
@@ -165,6 +167,6 @@ def load_profiles(
     return profiles, tuple(problems)
 
 
-def profile(name: str, folders: Iterable[Path] = (BUILT_IN,)) -> Profile:
+def profile(name: str, folders: Iterable[Path] = ()) -> Profile:
     """The profile called ``name``. Raises ValueError that lists the known names."""
     return named(name, load_profiles(folders)[0], "device")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from ... import plugins
 from ...scene.references import named
 from .asked import EIGHTBITDO, SINPUT
 from .dualsense import DUALSENSE, DUALSENSE_PCM
@@ -20,13 +21,19 @@ _OTHERS = (pad("luna"), pad("shield-2017"), pad("shield-2015"), EIGHTBITDO, SINP
 _ALL = (*_SONY, *_NINTENDO, pad("xbox"), pad("stadia"), *_VALVE, *_OTHERS)
 
 FAMILIES: Mapping[str, AnyFamily] = MappingProxyType({family.name: family for family in _ALL})
+"""Those that are built in."""
+
+
+def families() -> dict[str, AnyFamily]:
+    """The families by name, those of plug-ins among them."""
+    return {**FAMILIES, **{family.name: family for family in plugins.offered("devices")}}
 
 
 def family(name: str) -> AnyFamily:
     """The family called ``name``. Raises ValueError, which lists the known names, for any other."""
-    return named(name, FAMILIES, "device")
+    return FAMILIES[name] if name in FAMILIES else named(name, families(), "device")
 
 
 def families_of(interface: Interface) -> tuple[AnyFamily, ...]:
     """Families that can drive this interface, the default one first."""
-    return tuple(family for family in FAMILIES.values() if family.matches(interface))
+    return tuple(family for family in families().values() if family.matches(interface))

@@ -41,8 +41,8 @@ WAVES = {".wav", ".hjif", ".haptic", ".haps", ".ahap"}
 """What has a channel for each listener when it is read back."""
 OPTIONS = {
     "scene": {"tracks": "inline"},
-    "haptic": {"points": 0},
-}  # 0: breakpoints follow the wave, which ST-SIM compares
+    "haptic": {"points": 0, "frequency_min": 5.0, "frequency_max": 500.0},
+}  # 0: breakpoints follow the wave, which ST-SIM compares, as far as the range lets them
 
 
 def read_back(files, suffix):
@@ -128,7 +128,7 @@ def test_emphases_add_to_the_similarity_of_the_envelope(tmp_path, hertz, decay, 
         scores.append([np.real(similarity(samples, wave)) for wave in (alone + added, alone)])
     assert np.greater(*np.mean(scores, axis=0))
     (channel,) = registry.read(
-        registry.write("haptic", export, tmp_path, {"points": 0}).files[0]
+        registry.write("haptic", export, tmp_path, OPTIONS["haptic"]).files[0]
     ).channels
     assert similarity(samples, channel.at_rate(8000)) > 0.75
 
@@ -201,5 +201,5 @@ def test_a_template_plays_what_was_read(tmp_path, form, name):
     expected = channel.at_rate(8000)
     played = channel.to_signal().sample(0, len(expected), 8000.0)
     np.testing.assert_allclose(
-        played, expected, atol=1e-6 if len(channel.carriers) <= 100 else 0.02
+        played, expected, atol=1e-6 if len(getattr(channel, "carriers", ())) <= 100 else 0.02
     )
