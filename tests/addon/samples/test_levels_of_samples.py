@@ -1,4 +1,4 @@
-"""Every sample: levels of the default strategy and of the energy balance are ones that a designer
+"""Every sample: levels of the default strategy are ones that a designer
 can compare."""
 
 import importlib.util
@@ -29,9 +29,6 @@ _specification = importlib.util.spec_from_file_location(
 )
 short_parts = importlib.util.module_from_spec(_specification)
 _specification.loader.exec_module(short_parts)
-
-LOCAL = 0.5
-"""Decibels that a body far away may change in an energy balance."""
 
 
 @pytest.fixture

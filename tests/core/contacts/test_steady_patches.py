@@ -29,7 +29,6 @@ from haptic_tracing.core.scene.values import (
     Listener,
     Pose,
     Source,
-    Strategy,
 )
 from level_properties import changes_of_moved_bodies, decibels, of_measured_materials, traced
 
@@ -345,7 +344,7 @@ def test_one_mesh_stands_on_all_its_round_or_pointed_feet(floor, foot, places, s
         expected = weight @ np.array(places) / weight.sum()
         assert np.abs(found.positions[0].mean(axis=0) - expected)[:2].max() < 0.002
         touching = dataclasses.replace(scene, contacts=tuple(found.to_contacts(["floor", "body"])))
-        levels.append(traced(touching, Strategy.AUTO).gain[0])
+        levels.append(traced(touching).gain[0])
     assert decibels(levels[0], levels[1]).max() < 0.5
 
 

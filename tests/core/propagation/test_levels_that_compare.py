@@ -1,4 +1,4 @@
-"""Levels of the default strategy and of the energy balance: bounded, independent of cut-offs,
+"""Levels of the default strategy: bounded, independent of cut-offs,
 steady, local, and made by the ways shown."""
 
 from __future__ import annotations
