@@ -18,14 +18,29 @@ from typing import TYPE_CHECKING, Any
 from .core import __version__ as __version__
 
 if TYPE_CHECKING:
+    from .core.run_time import FormatError as FormatError
+    from .core.run_time import Pair as Pair
+    from .core.run_time import Result as Result
     from .core.run_time import Run as Run
     from .core.run_time import Scene as Scene
     from .core.run_time import Step as Step
     from .core.run_time import load as load
     from .core.run_time import loads as loads
     from .core.run_time import open as open
+    from .core.run_time import read as read
 
-_FRONT_DOOR = ("Run", "Scene", "Step", "load", "loads", "open")
+_FRONT_DOOR = (
+    "FormatError",
+    "Pair",
+    "Result",
+    "Run",
+    "Scene",
+    "Step",
+    "load",
+    "loads",
+    "open",
+    "read",
+)
 """What the package offers outside Blender, imported when it is asked for."""
 
 

@@ -72,7 +72,7 @@ class _Completion(argparse.Action):
         try:
             shtab: Any = import_module("shtab")
         except ModuleNotFoundError:
-            parser.error("shtab is not installed (pip install 'haptic-tracing[completion]')")
+            parser.error("shtab is not installed: pip install shtab")
         print(shtab.complete(parser, arguments[1]))
         parser.exit()
 
@@ -126,9 +126,7 @@ def command_module(name: str) -> Any:
         return import_module(f".{name}", __name__)
     except ModuleNotFoundError as error:
         if error.name in ("scipy", "pandas"):
-            raise ValueError(
-                f"this needs {error.name}: pip install 'haptic-tracing[study]'"
-            ) from None
+            raise ValueError(f"this needs {error.name}: pip install {error.name}") from None
         if error.name != "bpy":
             raise
         raise ValueError(

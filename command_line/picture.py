@@ -25,9 +25,7 @@ WINDOW = 4096
 def check_matplotlib(option: str) -> None:
     """Raise ValueError that names the option if matplotlib is missing."""
     if importlib.util.find_spec("matplotlib") is None:
-        raise ValueError(
-            f"{option}: matplotlib is not installed (pip install 'haptic-tracing[report]')"
-        )
+        raise ValueError(f"{option}: matplotlib is not installed: pip install matplotlib")
 
 
 def write_picture(

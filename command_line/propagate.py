@@ -6,9 +6,6 @@ import argparse
 import math
 import time
 
-import numpy as np
-
-from ..core.diagnosis.doubts import doubts
 from ..core.forms import JsonObject
 from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
@@ -16,16 +13,14 @@ from ..core.propagation import Propagation, objects_on
 from ..core.render.arrival import levels_alone, signal_gains
 from ..core.render.frame_result import Sounding
 from ..core.render.masking import felt_sources
-from ..core.run_time import Scene, load
+from ..core.run_time import Result, Scene, load
 from ..core.scene.values import HapticScene
 from . import print_json, say
-from .silence import silence_of
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, propagate, print."""
     scene = load(args.scene)
-    say(f"{args.scene}: {words}" for words in doubts(scene.content))
     chosen = {
         key: value
         for key in ("strategy", "mode", "threshold")
@@ -51,7 +46,8 @@ def run(args: argparse.Namespace) -> int:
     if args.contacts:
         printed["contacts"] = contacts_of(scene)
     print_json(printed, args.stdout)
-    say(f"{args.scene}: {words}" for words in _unreached(scene, result))
+    found = Result(scene.with_contacts(), graph, result)
+    say(f"{args.scene}: {words}" for words in found.warnings)
     return 0
 
 
@@ -72,18 +68,6 @@ def contacts_of(scene: Scene) -> list[JsonObject]:
             "weight": float(contacts.weight[i]),
         }
         for i, (a, b) in enumerate(contacts.pairs.tolist())
-    ]
-
-
-def _unreached(scene: Scene, result: Propagation) -> list[str]:
-    """Why nothing reaches some listeners, a sentence for each."""
-    amplitudes = np.array([source.amplitude for source in scene.content.sources])
-    reached = (amplitudes[:, None] * result.gain > 0).any(axis=0)
-    if reached.all():
-        return []
-    first = next(scene.frames())
-    return [
-        silence_of(first, scene.content.settings, row) for row in np.flatnonzero(~reached).tolist()
     ]
 
 

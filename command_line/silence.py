@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from ..core.arrays import FloatArray
-from ..core.diagnosis.silence import reasons
+from ..core.diagnosis.silence import silence_of
 from ..core.formats.tracks.listener_tracks import Tracks
-from ..core.message import sentence
 from ..core.render.frame_result import FrameResult
 from ..core.scene.values import Settings
 
@@ -23,12 +21,3 @@ def silent_listeners(tracks: Tracks, last: FrameResult, settings: Settings) -> l
     if len(silent) > MOST_LISTENERS:
         said.append(f"{len(silent) - MOST_LISTENERS} more listeners feel nothing")
     return said
-
-
-def silence_of(
-    last: FrameResult, settings: Settings, row: int, recent: FloatArray | None = None
-) -> str:
-    """Why listener number ``row`` feels nothing in a frame; ``recent``: its last samples."""
-    why = reasons(last, settings, row, recent=recent)
-    words = "; ".join(map(sentence, why)) or "no reason was found"
-    return f"'{last.listeners[row].name}' feels nothing: {words}"

@@ -54,10 +54,7 @@ def run(args: argparse.Namespace) -> int:
     if plots.can_plot():
         figures = list(plots.plots(ride))
     else:
-        notes.append(
-            "There are no plots: matplotlib is not installed (pip install "
-            "'haptic-tracing[report]')."
-        )
+        notes.append("There are no plots: matplotlib is not installed: pip install matplotlib.")
     written = [] if args.no_tracks else _write_tracks(args.out, ride)
     written += [args.out / "study.json", args.out / "report.html"]
     write_numbers(written[-2], ride, checks, rides)

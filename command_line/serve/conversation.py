@@ -160,6 +160,7 @@ class Conversation:
     def scene(self) -> JsonObject:
         """The message that names what the run has."""
         assert self.run is not None
+        warnings = [*self._warnings, *self.run.warnings]
         return {
             "type": "scene",
             "version": VERSION,
@@ -169,7 +170,7 @@ class Conversation:
             "sample_rate": self.run.sample_rate,
             "latency": 0.0 if self.stage is None else self.stage.latency,
             "calibrated": self.run.is_calibrated,
-            **({"warnings": self._warnings} if self._warnings else {}),
+            **({"warnings": warnings} if warnings else {}),
         }
 
     def _step(self, run: Run, message: Form) -> Iterator[list[Answer]]:

@@ -15,7 +15,7 @@ from tqdm import tqdm
 from .. import answer
 from ..part_file import programs
 
-NEEDS = "pip install 'haptic-tracing[sweep]'"
+NEEDS = "pip install '.[sweep]' in a copy of this project"
 
 
 def run(args: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..graph.haptic_graph import HapticGraph
-from ..message import Cause, Decibels, Hertz, Message, Seconds
+from ..message import Cause, Decibels, Hertz, Message, Seconds, sentence
 from ..perception import dominant_frequency, sensation_level
 from ..propagation.modes import nearest_listener
 from ..render.frame_result import FrameResult
@@ -67,6 +67,15 @@ def reasons(
         for row in loudest
     ]
     return tuple(dict.fromkeys(found))
+
+
+def silence_of(
+    last: FrameResult, settings: Settings, row: int, recent: FloatArray | None = None
+) -> str:
+    """Why listener number ``row`` feels nothing in a frame; ``recent``: its last samples."""
+    why = reasons(last, settings, row, recent=recent)
+    words = "; ".join(map(sentence, why)) or "no reason was found"
+    return f"'{last.listeners[row].name}' feels nothing: {words}"
 
 
 def _arrival_messages(

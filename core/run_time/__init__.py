@@ -3,11 +3,14 @@ answer poses with levels and samples."""
 
 from __future__ import annotations
 
+from ..formats.io.error import FormatError
+from ..formats.registry import read
+from .result import Pair, Result
 from .run import Run
 from .scene import Scene, load, loads
 from .step import Step
 
-__all__ = ["Run", "Scene", "Step", "load", "loads", "open"]
+__all__ = ["FormatError", "Pair", "Result", "Run", "Scene", "Step", "load", "loads", "open", "read"]
 
 
 def open(scene: Scene, sample_rate: float = 8000.0) -> Run:

@@ -16,6 +16,7 @@ from ..contacts.contact_set import ContactSet
 from ..contacts.impacts import Impact
 from ..contacts.settings import Body
 from ..contacts.shapes import pose_matrix, rotation_matrix
+from ..diagnosis.doubts import doubts
 from ..events.frame import Frame
 from ..formats.io.schema import validate
 from ..formats.scene.values_json import read_listener, read_object, read_source
@@ -62,6 +63,8 @@ class Run:
     Sources and listeners move rigidly with their objects. Contacts are found from shapes, except
     between objects for which the scene lists contacts and which have not moved.
 
+    ``warnings``: what in the scene is probably not meant, in sentences.
+
     The examples go on with a run of the ``scene`` of `Scene`: a drill and a hand on a bench, 1 m
     apart.
     """
@@ -70,6 +73,7 @@ class Run:
         self.settings: Settings = scene.settings
         self.rules: ContactSettings = scene.rules
         self.sample_rate: float = checked_rate(sample_rate)
+        self.warnings: tuple[str, ...] = tuple(doubts(scene))
         self._solids: list[tuple[HapticObject, Body]] = []
         # Of all sources, then of all listeners: the rows of their objects, and their positions in
         # the frames of these (n, 3).
@@ -101,6 +105,13 @@ class Run:
         self._time: float | None = None  # of the step that was followed last
         self._first = 0.0  # time of the step in which the run began
         self._step = 0
+
+    def __repr__(self) -> str:
+        time = "not begun" if self._time is None else f"at {self._time:.6g} s"
+        return (
+            f"<Run of {len(self.objects)} objects, {len(self.sources)} sources, "
+            f"{len(self.listeners)} listeners, {time}>"
+        )
 
     @property
     def objects(self) -> tuple[str, ...]:
@@ -458,6 +469,11 @@ class Run:
         """Raise PlacedError unless each form says what a source of the run shall do."""
         for name, form in sources.items():
             require_known(name, self._sources, "source", ("sources", name))
+            if not isinstance(form, Mapping):
+                raise PlacedError(
+                    ("sources", name),
+                    f"expected {{'playing': ..., 'amplitude': ...}}, got {form!r}",
+                )
             for key, value in form.items():
                 if key != "playing" and not (
                     key == "amplitude" and isinstance(value, int | float) and 0 <= value <= 1

@@ -31,6 +31,7 @@ from ..render.renderer import SAMPLE_RATE
 from ..scene.references import require_known
 from ..scene.values import Contact, HapticScene
 from .given import plain
+from .result import Result
 
 
 def load(path: str | Path) -> Scene:
@@ -172,6 +173,15 @@ class Scene:
         graph = self.graph() if graph is None else graph
         with self._errors():
             return propagate(graph, self.content.settings)
+
+    def result(self) -> Result:
+        """What propagates, by names. Raises ValueError.
+
+        >>> scene.result()["drill", "hand"].gain
+        0.75
+        """
+        graph = self.graph()
+        return Result(self.with_contacts(), graph, self.propagate(graph))
 
     def gains(self) -> dict[tuple[str, str], float]:
         """The gain of the paths from each source to each listener, by their names; amplitudes of

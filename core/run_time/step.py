@@ -40,7 +40,7 @@ class Blow:
     gains: Mapping[str, float]
 
 
-@frozen
+@frozen(repr=False)
 class Step:
     """The answer to a step that ends at ``time`` [s].
 
@@ -57,6 +57,16 @@ class Step:
     listeners: tuple[str, ...]
     milliseconds: Mapping[str, float]
     warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        levels = ", ".join(
+            f"{name}: {'silent' if one.level is None else f'{one.level:.1f} dB'}"
+            for name, one in self.levels.items()
+        )
+        return (
+            f"<Step at {self.time:.6g} s: {levels or 'no listeners'}; {len(self.impacts)} impacts, "
+            f"{self.block.shape[1]} samples>"
+        )
 
 
 def answer(result: FrameResult, history: History, names: Sequence[str], time: float) -> Step:

@@ -34,7 +34,7 @@ class FormatError(ValueError):
         why = _shortened(reason, 300)
         text = f"{file}: {why}" if pointer == "/" else f"{file}: {place}: {why}"
         super().__init__("".join(c if c.isprintable() else repr(c)[1:-1] for c in text))
-        self.file = str(file)
+        self.file: str = str(file)
         self.pointer = pointer
         self.reason = reason
 

@@ -4,12 +4,13 @@ import doctest
 
 import haptic_tracing as ht
 import pytest
+from haptic_tracing.core.run_time import result as result_module
 from haptic_tracing.core.run_time import run as run_module
 from haptic_tracing.core.run_time import scene as scene_module
 
 FOUND = [
     test
-    for module in (ht.core.run_time, run_module, scene_module)
+    for module in (ht.core.run_time, result_module, run_module, scene_module)
     for test in doctest.DocTestFinder().find(module)
     if test.examples
 ]

@@ -13,7 +13,8 @@ def test_the_snippets_compute_gains_and_a_drop(capsys):
     names = {}
     for snippet in snippets:
         exec(compile(snippet, PAGE.name, "exec"), names)
-    assert len(snippets) == 3
+    assert len(snippets) == 4
+    assert names["result"]["drill", "seat"].path == ("ground", "bench")
     said = re.search(r"# (\{.*?)\.\.\.\}", snippets[0])[1]
     assert capsys.readouterr().out.startswith(said)
     assert names["scene"].contacts()[0].objects == ("ground", "bench")

@@ -7,11 +7,13 @@ import json
 import math
 import subprocess
 import sys
+import wave
 
 import haptic_tracing as ht
 import networkx
 import numpy as np
 import pytest
+from haptic_tracing.command_line import main
 
 
 def chain(count, alpha=0.3):
@@ -197,3 +199,68 @@ def test_a_function_of_a_rule_that_gives_no_gain_is_refused():
     rules = {"transmission_table": [{"between": [{}, {}], "transmission": between}]}
     with pytest.raises(ValueError, match=r"/rules.*log.*no finite value"):
         ht.Scene(objects=[], rules=rules)
+
+
+def table_above_the_floor(**source):
+    box = {"type": "box", "size": [1, 1, 1]}
+    loss = {"propagation": {"function": "exponential", "alpha": 0.5}}
+    body = {"kappa": 0.1, "rho": 0.9, "shape": box, "motion": "static", **loss}
+    return ht.Scene(
+        objects=[
+            body | {"name": "floor"},
+            body | {"name": "table", "pose": {"position": [0, 0, 1.2]}},
+            body | {"name": "shelf", "pose": {"position": [0, 1, 1.2]}},
+        ],
+        sources=[{"name": "phone", "object": "table", "position": [0, 0, 1.7], **source}],
+        listeners=[
+            {"name": "wrist", "object": "floor", "position": [0, 0, 0.5], "body_part": "hand_r"},
+            {"name": "top", "object": "table", "position": [0, 0.5, 1.7], "radius": 0},
+            {"name": "side", "object": "shelf", "position": [0, 1, 1.7], "radius": 0},
+        ],
+    )
+
+
+def test_a_pair_has_its_gain_its_path_and_why_nothing_arrives():
+    result = table_above_the_floor().result()
+    assert result["phone", "top"] == ht.Pair(pytest.approx(math.exp(-0.25)), ("table",), ())
+    assert result["phone", "side"].path == ("table", "shelf")
+    lost = result["phone", "wrist"]
+    assert (lost.gain, lost.path) == (0.0, ())
+    assert "no contact leads" in lost.why[0]
+    with pytest.raises(ValueError, match=r"'phon'.*did you mean 'phone'"):
+        result["phon", "top"]
+    assert repr(result) == "<Result of 1 sources, 3 listeners>"
+
+
+def test_the_door_says_what_the_command_line_says(tmp_path, capsys):
+    scene = table_above_the_floor(
+        position=[0, 0, 51.7], signal={"signal": "sine", "frequency": 6000}
+    )
+    scene.save(tmp_path / "scene.json")
+    assert main(["propagate", str(tmp_path / "scene.json")]) == 0
+    said = capsys.readouterr().err.splitlines()
+    warnings = scene.result().warnings
+    assert said == [f"{tmp_path / 'scene.json'}: {words}" for words in warnings]
+    for words in ("50 m away", "6000 Hz", "did you mean 'hand.R'", "'wrist' feels nothing"):
+        assert any(words in one for one in warnings), words
+    assert set(ht.open(scene).warnings) < set(warnings)
+
+
+def test_what_others_call_it_gets_a_hint():
+    with pytest.raises(ht.FormatError, match="signal: is required: is 'type' meant to be it"):
+        table_above_the_floor(signal={"type": "sine"})
+    run = ht.open(table_above_the_floor())
+    with pytest.raises(ValueError, match=r"sources/phone: expected .*playing.*got 0.5"):
+        run.step(0.0, sources={"phone": 0.5})
+    assert repr(run) == "<Run of 3 objects, 1 sources, 3 listeners, not begun>"
+    assert repr(run.step(0.0)).startswith("<Step at 0 s: wrist: silent, top: -")
+
+
+def test_a_vibration_is_read_as_samples(tmp_path):
+    times = np.arange(800) / 8000
+    with wave.open(str(tmp_path / "buzz.wav"), "wb") as file:
+        file.setparams((1, 2, 8000, 0, "NONE", ""))
+        file.writeframes((16384 * np.sin(2 * np.pi * 100 * times)).astype("<i2").tobytes())
+    (channel,) = ht.read(tmp_path / "buzz.wav").channels
+    assert (channel.sample_rate, len(channel.samples)) == (8000, 800)
+    assert np.abs(channel.samples - 0.5 * np.sin(2 * np.pi * 100 * times)).max() < 1e-4
