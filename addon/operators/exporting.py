@@ -289,22 +289,6 @@ class HAPTIC_OT_export_tracks(RangeExport, Action):
         return self.captured(context, False, True, write)
 
 
-class HAPTIC_OT_copy_methods(Action):
-    """Copy a paragraph for a paper on how this frame is traced: program, settings, scene and its digest"""
-
-    bl_label = "Copy Methods"
-
-    def apply(self, context: Context) -> None:
-        context.window_manager.clipboard = methods(context)
-        self.tell("Copied")
-
-
-def methods(context: Context) -> str:
-    """The paragraph of `Export.methods` for the scene as *Haptic Scene* writes this frame."""
-    scene = frame_scene.current_scene(context)
-    return frame_scene.written_export("", context.scene, scene).methods()
-
-
 def track_writer(
     name: str, folder: Path, options: dict[str, Any]
 ) -> Callable[[Export, job.Job], list[job.Report]]:

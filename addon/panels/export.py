@@ -25,7 +25,6 @@ class HAPTIC_PT_export(ScenePanel):
         layout = self.layout
         if job.draw_running(layout):
             return
-        layout.operator("haptic.copy_methods", icon="COPYDOWN")
         _draw_losses(layout)
 
 

@@ -8,7 +8,6 @@ import threading
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.operators import exporting
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import read_export
@@ -356,14 +355,6 @@ def test_tact_without_a_body_part_is_an_error_with_its_cure(shaken, tmp_path):
         filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3
     )
     assert [path.suffix for path in tmp_path.iterdir()] == [".tact"]
-
-
-def test_copy_methods_is_the_paragraph_of_the_exported_frame(shaken, tmp_path):
-    """Its digest is that of *Haptic Scene* with *This Frame*."""
-    path = tmp_path / "frame.json"
-    assert bpy.ops.export_scene.haptic_scene(filepath=str(path)) == {"FINISHED"}
-    assert exporting.methods(bpy.context) == read_export(path).methods()
-    assert bpy.ops.haptic.copy_methods() == {"FINISHED"}  # there is no clipboard without a window
 
 
 @pytest.mark.plugins
