@@ -89,7 +89,7 @@ def test_handlers_come_and_go_any_number_of_times():
         draw_handlers.register()
         draw_handlers.register()
         # In world space, in pixels, with the panel Adjust Last Operation, and over timelines.
-        assert len(draw_handlers._handlers) == 5
+        assert len(draw_handlers._handlers) == 4
 
 
 def test_redraw_tags_every_3d_viewport_and_nothing_else(monkeypatch):
