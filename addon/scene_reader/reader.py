@@ -593,10 +593,14 @@ class SceneReader:
 
     def _reshaped(self, row: int, obj: Object, depsgraph: Depsgraph) -> Tagged | None:
         """The object ``obj`` of a row, of which nothing but the mesh has changed; None if it must
-        be read again, as after an edit of its rigid body, which Blender names as one of its
-        geometry."""
+        be read again, as after an edit of its rigid body or of its drivers, which Blender names as
+        one of its geometry."""
         known = self._tagged[row]
-        if known.object is None or not has_body_of(obj, known.object, depsgraph.scene):
+        if (
+            known.object is None
+            or not has_body_of(obj, known.object, depsgraph.scene)
+            or compatibility.animated_paths(obj) != known.animated
+        ):
             return None
         try:
             surface = self._shape(obj, depsgraph, np.array(known.stretch))
