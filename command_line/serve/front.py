@@ -30,6 +30,7 @@ _ANSWERS = 2.0
 _PASSING = {errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM, errno.ECONNABORTED}
 """Reasons why a connection can't be accepted at the moment."""
 _AGAIN = 0.05
+_MOST_ENDING = 4
 _BUFFER = 2**16
 """Bytes that wait in a socket: who sends more than is answered has to wait, instead of getting late
 answers."""
@@ -42,6 +43,7 @@ class _Listener(socket.socket):
     def __init__(self, fileno: int) -> None:
         super().__init__(fileno=fileno)
         self._unfinished: dict[socket.socket, float] = {}
+        self._ending: list[socket.socket] = []
         self._lock = threading.Lock()
 
     def accept(self) -> tuple[socket.socket, Any]:
@@ -61,8 +63,19 @@ class _Listener(socket.socket):
                     del self._unfinished[other]
                     with suppress(OSError):
                         other.shutdown(socket.SHUT_RDWR)
+                    self._ending.append(other)
                 self._unfinished[one] = time.monotonic()
+            self._await_ends()
             return one, address
+
+    def _await_ends(self) -> None:
+        """Wait for a moment where too many connections that were ended are not closed yet."""
+        deadline = time.monotonic() + 1.0
+        while True:
+            self._ending = [one for one in self._ending if one.fileno() >= 0]
+            if len(self._ending) < _MOST_ENDING or time.monotonic() > deadline:
+                return
+            time.sleep(0.005)
 
     def since(self, one: socket.socket) -> float:
         """When a connection without a place began, by `time.monotonic`."""

@@ -12,7 +12,7 @@ import sys
 import threading
 import time
 import urllib.request
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +21,13 @@ from bounded_program import bounded
 from bounded_program import run as run_bounded
 from crate_on_ground import SCENE
 from haptic_tracing.command_line.serve import Door, LiveView
+from haptic_tracing.command_line.serve.conversation import MOST_OBJECTS, Conversation
+from haptic_tracing.command_line.serve.osc import OscDoor
 from haptic_tracing.command_line.serve.stage import DeviceStage
-from haptic_tracing.core.run_time import load
+from haptic_tracing.core.run_time import Scene, load
 from pythonosc.dispatcher import Dispatcher
+from pythonosc.osc_bundle_builder import OscBundleBuilder
+from pythonosc.osc_message_builder import OscMessageBuilder
 from pythonosc.osc_server import BlockingOSCUDPServer
 from pythonosc.udp_client import SimpleUDPClient
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -272,6 +276,38 @@ def test_osc_is_answered_where_it_came_from(scene_file):
         "/poses/moon",
     )
     assert level > -60 > silence
+
+
+def test_osc_waits_for_no_date_and_keeps_a_bounded_number_of_poses():
+    """A bundle dated 20 s ahead, and poses of things that don't exist, with long names and lists,
+    for which no step comes."""
+    conversation = Conversation(Scene(**SCENE))
+    with closing(OscDoor(conversation, 0)) as osc:
+        osc.start()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+            client.bind(("127.0.0.1", 0))
+            client.settimeout(20)
+            to = osc.server.server_address
+
+            def ask(*values):
+                message = OscMessageBuilder("/haptic/step")
+                for value in values:
+                    message.add_arg(value, "d")
+                client.sendto(message.build().dgram, to)
+                return client.recv(9000)
+
+            assert b"/haptic/level" in ask(0.0)
+            ahead = OscBundleBuilder(time.time() + 20)
+            ahead.add_content(OscMessageBuilder("/haptic/stop").build())
+            client.sendto(ahead.build().dgram, to)
+            begun = time.monotonic()
+            assert b"/haptic/level" in ask(0.1)
+            assert time.monotonic() - begun < 10
+        for k in range(2 * MOST_OBJECTS):
+            osc._pose("/haptic/pose", f"{k} " + "x" * 5000, *range(500))
+    assert len(osc._poses) == MOST_OBJECTS
+    assert max(len(name) for name in osc._poses) <= 1024
+    assert max(len(pose) for pose in osc._poses.values()) <= 8
 
 
 @pytest.mark.parametrize(
