@@ -26,7 +26,7 @@ _WEBM = (
 
 def prepare(folder: Path, form: Form) -> None:
     """Write the films and tracks that are missing: films in this process, tracks by `haptic-tracing
-    bake`. Raises ValueError."""
+    export`. Raises ValueError."""
     start_blender()
     for (name, condition), path in stimuli(folder, form).items():
         section = form["scenes"][name]
@@ -45,7 +45,14 @@ def prepare(folder: Path, form: Form) -> None:
         if "frames" in section:
             options.append("--frames={}:{}".format(*section["frames"]))
         _haptic_tracing(
-            "bake", blend, "--out", path.parent, "--option=wav.encoding=float32", *options
+            "export",
+            blend,
+            "--to",
+            "wav",
+            "--out",
+            path.parent,
+            "--option=wav.encoding=float32",
+            *options,
         )
 
 

@@ -120,6 +120,11 @@ def _excluded(steps: list[JsonObject], rules: Form) -> str:
         return "the same answer to every question"
     if any(step["seconds"] < least * len(step["answer"]) for step in rated):
         return f"less than {least:g} s per question"
+    missed = [
+        row["value"] for step in steps for row in step["answer"] if row["item"] == "missed_ms"
+    ]
+    if max(missed, default=0.0) > rules["missed_ms"]:
+        return f"{max(missed):.0f} ms of a section were not played"
     return ""
 
 

@@ -7,6 +7,7 @@ import tomllib
 from html import escape
 from pathlib import Path
 from string import Template
+from typing import Any
 
 from pandas import DataFrame, Series
 
@@ -71,10 +72,16 @@ def analyse(folder: Path) -> list[Path]:
         effect=form["smallest_effect"],
         maps=maps,
     )
-    tables["answers"] = answers
+    tables["answers"] = answers.assign(value=answers["value"].map(_plain))
     files = {f"{name}.csv": table.to_csv(index=False) for name, table in tables.items()}
     files["analysis.html"] = text
     return [write_text(folder / name, [content]) for name, content in files.items()]
+
+
+def _plain(value: Any) -> Any:
+    """An answer as spreadsheets show it: text that they would take for a formula behind a quote."""
+    is_formula = isinstance(value, str) and value.lstrip().startswith(("=", "+", "-", "@"))
+    return f"'{value}" if is_formula else value
 
 
 def _preferred(order: DataFrame) -> list[JsonObject]:

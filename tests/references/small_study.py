@@ -22,7 +22,7 @@ about = {}
 words = []
 scale = {low = 1, high = 5}
 items = [{factor = "Realism", text = "R"}]
-exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0}
+exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0, missed_ms = 500}
 """
 """To be followed by ``conditions`` and ``scenes``."""
 

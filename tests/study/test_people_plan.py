@@ -19,7 +19,7 @@ about = {age = []}
 words = []
 scale = {low = 1, high = 5}
 items = [{factor = "Realism", text = "R"}]
-exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0}
+exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0, missed_ms = 500}
 conditions = {a = {}, b = {}, c = {}, d = {}}
 scenes = {x = {tracks = {}}, y = {tracks = {}}, z = {tracks = {}}}
 """

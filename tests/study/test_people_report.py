@@ -36,7 +36,12 @@ def folder(tmp_path):
         "title": "Legs & <hands>",
         "scale": {"low": 1, "high": 7},
         "items": ITEMS,
-        "exclusion": {"incomplete": True, "same_answers": True, "seconds_per_item": 1.0},
+        "exclusion": {
+            "incomplete": True,
+            "same_answers": True,
+            "seconds_per_item": 1.0,
+            "missed_ms": 500,
+        },
         "smallest_effect": 0.5,
         "conditions": {key: {} for key in CONDITIONS},
     }
@@ -73,6 +78,11 @@ def test_the_rules_of_the_plan_exclude(folder):
         "P04": "not finished",
         "P05": "less than 1 s per question",
     }
+    for name, missed in {"P06": 501.0, "P07": 499.0}.items():
+        played = {"step": "play", "answer": rows(late_ms=1.0, missed_ms=missed)}
+        add_step(folder / f"{name}.jsonl", played)
+    reasons = tidy(folder, read_plan(folder)).groupby("participant")["excluded"].first()
+    assert (reasons["P06"], reasons["P07"]) == ("501 ms of a section were not played", "")
 
 
 def test_reversed_items_are_turned_before_the_mean(folder):
@@ -170,3 +180,12 @@ def test_a_study_whose_participants_are_all_excluded_has_empty_tables(folder):
             path.unlink()
     assert main(["study", "analyse", str(folder)]) == 0
     assert pandas.read_csv(folder / "excluded.csv")["participant"].tolist() == ["P03"]
+
+
+def test_answers_are_no_formulas_in_a_spreadsheet(folder):
+    hostile = ["=HYPERLINK(A1)", " +1", "-2+3", "@SUM(A1)", "plain - text"]
+    add_step(folder / "P01.jsonl", {"step": "words", "answer": rows(**{w: w for w in hostile})})
+    assert main(["study", "analyse", str(folder)]) == 0
+    table = pandas.read_csv(folder / "answers.csv")
+    said = table[table["step"] == "words"]["value"].tolist()
+    assert said == [*(f"'{one}" for one in hostile[:4]), hostile[4]]

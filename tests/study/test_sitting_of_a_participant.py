@@ -73,7 +73,7 @@ about = {age = [], hand = ["left", "right"]}
 words = ["Why?"]
 scale = {low = 1, high = 7}
 items = [{factor = "Realism", text = "First item"}, {factor = "Harmony", text = "Second item"}]
-exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0.0}
+exclusion = {incomplete = true, same_answers = true, seconds_per_item = 0.0, missed_ms = 5000}
 conditions = {loud = {}, soft = {}}
 scenes = {beats = {film = "film.webm", tracks = {loud = "loud.wav", soft = "soft.wav"}}}
 """
