@@ -32,7 +32,7 @@ _LENT = {
     "meter_layout meter_pictures meters overlay "
     "panel_picture paths sound_picture table watched",
     "core": "felt signals",
-    "core.devices": "connection mapping profile_files profiles",
+    "core.devices": "connection full_scale mapping profile_files profiles",
     "core.formats": "haptic_scene registry",
     "core.render": "limiter mixing",
     "core.scene": "spectra",

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
 from ...core.declaration import Curve
+from ...core.devices import full_scale
 from ..blender.extension import profile_folders
 from ..blender.polling import UNDO, Action, OnActive, Refused, is_editable
 from ..blender.words import report_text
@@ -16,9 +17,6 @@ from ..properties import actuators
 from ..properties.kinds import text
 from ..properties.preferences import preferences
 from ..properties.sound import device_profiles
-
-if TYPE_CHECKING:
-    from ...core.devices.profiles import Actuator, Profile
 
 # A guard that does not answer is replaced within half a second, and the new one has silenced the
 # devices after another second.
@@ -132,16 +130,35 @@ class HAPTIC_OT_choose_actuator(Action):
             )
         else:
             settings.actuators = actuators.toggled(settings.actuators, self.place)
+            key, _, name = self.place.rpartition("/")
+            output = outputs.running().get(key)
+            if output is not None and not obj.haptics.listener.full_scale:
+                _calibrate(obj.haptics.listener, f"{output.profile.title}: {name}")
 
 
-def _calibrations() -> dict[str, tuple[Profile, Actuator]]:
-    """The actuators whose profile says what they do at full scale, by device and name."""
-    return {
-        f"{profile.title}: {actuator.name}": (profile, actuator)
+_OF_SOUND_CARDS = ("shaker", "vest")
+
+
+def _calibrations() -> dict[str, tuple[Any, str, str]]:
+    """What devices do at full scale, by device and actuator: points, unit and source."""
+    typical = [full_scale.TYPICAL[kind] for kind in _OF_SOUND_CARDS]
+    return {row.title: (row.points, "m/s^2", row.source) for row in typical} | {
+        f"{profile.title}: {actuator.name}": (
+            actuator.full_scale,
+            actuator.full_scale_unit,
+            actuator.full_scale_source,
+        )
         for profile in device_profiles().values()
         for actuator in profile.actuators
-        if actuator.full_scale
     }
+
+
+def _calibrate(listener: Any, name: str) -> None:
+    """Give a listener what the device and actuator ``name`` do at full scale."""
+    points, unit, source = _calibrations()[name]
+    listener.full_scale = Curve.text(points)
+    listener.full_scale_unit = unit
+    listener.full_scale_source = f"{name.partition(':')[0]}: {source}"
 
 
 def _calibrated_actuators(self: Operator, context: Context, typed: str) -> list[str]:
@@ -157,7 +174,7 @@ class HAPTIC_OT_calibrate_listener(OnActive):
 
     actuator: text(
         "Actuator",
-        "Device and actuator; only profiles with a full_scale are listed",
+        "Device and actuator; what their profiles don't tell is typical of their kind",
         search=_calibrated_actuators,
     )
 
@@ -165,18 +182,13 @@ class HAPTIC_OT_calibrate_listener(OnActive):
         return context.window_manager.invoke_props_dialog(self)
 
     def apply(self, context: Context) -> None:
-        known = _calibrations()
-        if self.actuator not in known:
+        if self.actuator not in _calibrations():
             raise Refused(
                 "No profile says what '{}' does at full scale: enter it, or measure it by "
                 "'haptic-tracing devices calibrate'",
                 self.actuator,
             )
-        profile, actuator = known[self.actuator]
-        listener = context.object.haptics.listener
-        listener.full_scale = Curve.text(actuator.full_scale)  # type: ignore[assignment]
-        listener.full_scale_unit = actuator.full_scale_unit
-        listener.full_scale_source = f"{profile.title}: {actuator.full_scale_source}"
+        _calibrate(context.object.haptics.listener, self.actuator)
 
 
 class HAPTIC_OT_toggle_preview(Action):
