@@ -15,10 +15,14 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from ..core.arrays import FloatArray
+from ..core.contacts.contact_set import ContactSet
 from ..core.frozen import frozen
+from ..core.graph.haptic_graph import ObjectTable
+from ..core.graph.impedances import passed_by_bodies
+from ..core.graph.object_frames import ObjectFrames
 from ..core.perception import FullScale, threshold_level
 from ..core.run_time import Scene
-from ..core.scene.bands import BAND_CENTRES
+from ..core.scene.bands import BAND_CENTRES, BAND_EDGES
 from ..core.scene.functions import HapticTracing, Impedance, Physical, Wave
 from ..core.scene.materials import MATERIALS
 from ..core.scene.measured import DAMPING, physical
@@ -193,7 +197,7 @@ _SPEED_LINE = "phase_speed=damping.speed,"
 _LIMB_LINE = "resonance, speed = LIMBS.get(part, (function.resonance, function.phase_speed))"
 _PAPER_LINE = "k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64))"
 _BUILDING_LINE = "absorption=IN_A_BUILDING if in_a_building else 0.0,"
-_MATCH_LINE = 'return np.ones(np.shape(distance)) * (contact or {}).get("match", 1.0)'
+_MATCH_LINE = "gain = np.nan_to_num(np.minimum(2 / (1 + load / driving), 1.0), nan=1.0)"
 
 
 def unfitted(name: str, frequency: float, distance: Sequence[float]) -> FloatArray:
@@ -346,28 +350,32 @@ def _ground_classes() -> Iterator[Series]:
     )
 
 
-def _through_contact(first: str, second: str) -> float:
-    """Level [dB] of a body behind a contact by impedance with another, beside it."""
-    objects = tuple(
-        HapticObject(
-            body, MATERIALS[name].kappa, MATERIALS[name].rho, physical(name, (9.0, 9.0, 3.0))
-        )
-        for body, name in (("1", first), ("2", second))
-    )
+SOIL = ("soil", (60.0, 30.0, 4.0))
+FOUNDATION = ("concrete", (8.0, 8.0, 0.4))
+"""A building's foundation, and the ground below it."""
+
+
+def _through_contact(
+    first: tuple[str, Vector], second: tuple[str, Vector], frequency: float, area: float = 0.0
+) -> float:
+    """Level [dB] of a body behind a contact of an ``area`` [m^2] with another, beside it; both by
+    material and sizes [m]."""
+    objects = [
+        HapticObject(body, MATERIALS[name].kappa, MATERIALS[name].rho, physical(name, size))
+        for body, (name, size) in (("1", first), ("2", second))
+    ]
+    table = ObjectTable.of(objects, 0.1)
     origin = (0.0, 0.0, 0.0)
-    scene = HapticScene(
-        objects,
-        (Contact(("1", "2"), (origin, origin), Impedance()),),
-        (Source("s", "1"),),
-        (Listener("before", "1", radius=0.0), Listener("behind", "2", radius=0.0)),
+    contacts = ContactSet.from_contacts(
+        (Contact(("1", "2"), (origin, origin), Impedance(), area=area),), table.index()
     )
-    gain = Scene.of_values(scene).gains()
-    return NEPER * math.log(gain["s", "behind"] / gain["s", "before"])
+    passed = passed_by_bodies(table.bodies, contacts, ObjectFrames.unknown(2))
+    band = sum(frequency >= edge for edge in BAND_EDGES[1:-1])
+    return 0.0 if passed is None else NEPER * math.log(passed[0, 0, band])
 
 
 def into_buildings() -> Iterator[Series]:
     """From the ground into foundations, floors and over junctions of plates."""
-    passed = _through_contact("soil", "concrete")
     for place, measured in FOUNDATIONS.items():
         yield Series(
             f"Ground to foundation, {place}",
@@ -376,17 +384,21 @@ def into_buildings() -> Iterator[Series]:
             "held out",
             "dB",
             tuple(
-                Point(f"{f:g} Hz", level, passed, spread=foundation_spread(f))
+                Point(
+                    f"{f:g} Hz",
+                    level,
+                    _through_contact(SOIL, FOUNDATION, f, 64.0),
+                    spread=foundation_spread(f),
+                )
                 for f, level in zip(FOUNDATION_HERTZ, measured, strict=True)
             ),
             CLOSE,
-            "soil touches concrete, contact by impedance, the same at all frequencies; the default "
-            "contact passes everything, 0 dB",
+            "a slab of 8 m by 8 m by 0.4 m on soil, by their impedances",
             "nothing",
-            ("core/scene/functions/contacts.py", _MATCH_LINE),
+            ("core/graph/impedances.py", _MATCH_LINE),
         )
     for name, ratios in FLOORS.items():
-        passed = _through_contact("concrete", name)
+        passed = _through_contact(FOUNDATION, (name, (8.0, 8.0, 0.2)), 30.0)
         yield Series(
             f"Foundation to floor, {'concrete' if name == 'concrete' else 'timber'}",
             "as above",
@@ -400,9 +412,10 @@ def into_buildings() -> Iterator[Series]:
             CLOSE,
             "floors resonate, the model has no gain above 1",
             "nothing",
-            ("core/scene/functions/contacts.py", _MATCH_LINE),
+            ("core/graph/impedances.py", _MATCH_LINE),
         )
     speed, thickness = DAMPING["concrete"].speed, 0.2
+    plate = ("concrete", (4.0, 3.0, thickness))
     coincidence = 5 * math.log10(343.0**2 / (1.8 * speed * thickness) / 1000)
     yield Series(
         "Junctions of equal plates",
@@ -411,14 +424,14 @@ def into_buildings() -> Iterator[Series]:
         "held out",
         "dB",
         tuple(
-            Point(kind, index, coincidence - _through_contact("concrete", "concrete"))
+            Point(kind, index, coincidence - _through_contact(plate, plate, 500.0))
             for kind, index in JUNCTIONS.items()
         ),
         CLOSE,
         "two plates of one material touch: everything passes, where a junction shares power "
         "between plates and turns it round corners",
         "nothing",
-        ("core/scene/functions/contacts.py", _MATCH_LINE),
+        ("core/graph/impedances.py", _MATCH_LINE),
     )
     yield Series(
         "Plate of concrete built into a building",
@@ -636,7 +649,8 @@ def body() -> Iterator[Series]:
 
 def _bone_floor() -> float:
     """Level [dB] behind flesh on bone, and flesh again, contacts by impedance."""
-    return _through_contact("flesh", "bone") + _through_contact("bone", "flesh")
+    thigh, femur = ("flesh", (0.15, 0.15, 0.4)), ("bone", (0.03, 0.03, 0.45))
+    return _through_contact(thigh, femur, 100.0) + _through_contact(femur, thigh, 100.0)
 
 
 def _along_limbs() -> Iterator[Series]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from io import StringIO
 from typing import Any
 
+from . import everyday
 from .validation import (
     FOUNDATIONS,
     HALL_FREQUENCIES,
@@ -126,6 +127,7 @@ def page() -> str:
         "|---|---|---|",
     ]
     lines += [f"| {published} | {figures} | {why} |" for published, figures, why in UNMODELLED]
+    lines += everyday.section()
     for series in every:
         lines += _section(series)
     return "\n".join(lines) + "\n"
