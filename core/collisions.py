@@ -26,6 +26,7 @@ from .events.one_shots import Shot
 from .events.stored import FrameEvents, StoredEvents
 from .frozen import frozen
 from .graph.haptic_graph import ObjectTable, large_patches
+from .graph.impedances import ask_for_bodies
 from .graph.object_frames import ObjectFrames, local_bounds
 from .message import Message
 from .scene.choices import Mode, Strategy
@@ -408,6 +409,8 @@ def _asks_for_frames(
 ) -> bool:
     """Whether gains depend on where the objects lie. ``sizes`` (n, 3): of their boxes [m], if they
     are known."""
-    return any(function.uses_force for function in contacts.transmissions) or bool(
-        len(large_patches(table, contacts, sizes))
+    return (
+        any(function.uses_force for function in contacts.transmissions)
+        or ask_for_bodies(table.bodies, contacts)
+        or len(large_patches(table, contacts, sizes)) > 0
     )

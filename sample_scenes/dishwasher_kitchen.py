@@ -42,7 +42,7 @@ def build(scene: Scene) -> None:
     _add_floor(scene)
     _add_kitchen_units(scene, white, steel)
     _add_dishwasher(scene, steel)
-    isolate(scene, RUBBER, 1e5, 12.0)
+    isolate(scene, RUBBER, 14.5)
     beech, dark = (
         surface("Beech", "#c99a66", 0.5, mottle=0.25, mottle_scale=9.0),
         surface("Walnut", "#6a452b", 0.5, mottle=0.25),

@@ -40,16 +40,21 @@ def measure(scene: Scene, body: str) -> None:
     feel, as in *Bodies*."""
     bpy.context.view_layer.update()
     objects = [obj for obj in scene.objects if obj.haptics.enabled]
-    library.use_physical(scene, objects, False)
+    library.make_physical(objects)
     library.set_bodies(objects, body)
 
 
-def isolate(scene: Scene, substance: Substance, stiffness: float, load: float) -> None:
-    """Make contacts of a substance resilient layers of a ``stiffness`` [N/m] that carry ``load``
-    kilograms."""
+def bind(scene: Scene, substance: Substance) -> None:
+    """Let contacts of a substance pass on everything, as of what is embedded in it."""
+    rule = scene.haptics.transmission_table.items.add()
+    rule.first_kind, rule.first, rule.function = "MATERIAL", substance.title, "identity"
+
+
+def isolate(scene: Scene, substance: Substance, frequency: float) -> None:
+    """Make contacts of a substance springs of a resonance at ``frequency`` [Hz]."""
     rule = scene.haptics.transmission_table.items.add()
     rule.first_kind, rule.first, rule.function = "MATERIAL", substance.title, "resilient"
-    rule.stiffness, rule.load = stiffness, load
+    rule.spring_frequency = frequency
 
 
 def vary_impacts(scene: Scene, variation: float) -> None:

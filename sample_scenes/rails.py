@@ -17,7 +17,7 @@ from .avatar import TURNED_UP, build_avatar, seated
 from .furniture import add_bench
 from .geometry import SUNK, box, cylinder, joined, lathe, rod, superellipsoid
 from .lighting import add_area_light, add_camera, add_sun, add_world, set_picture
-from .materials import SOIL, STEEL, surface
+from .materials import SOIL, STEEL, bind, surface
 from .railway import add_rails, add_sleepers, on_rails, wheelset
 from .staging import add_rigid_body_world, make_source, make_static, place
 
@@ -73,6 +73,7 @@ def _add_ground(scene: Scene) -> Object:
     ground = place(scene, "Ground", joined([slab, gravel]), materials)
     make_static(scene, ground, SOIL, "BOX")
     ground.haptics.wave_speed = SPEED_IN_SOIL
+    bind(scene, SOIL)  # the track's bed holds the rails
     return ground
 
 

@@ -13,7 +13,7 @@ from bpy.types import Collection, Context, Depsgraph, Object, Scene
 
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS, Material, guess, preset_named
-from ...core.scene.measured import DAMPING, FLESH_CONTACT, felt_all_over, physical
+from ...core.scene.measured import DAMPING, SPRINGS, felt_all_over, function_of
 from ...core.scene.skeleton import part_in
 from ..blender.progress import progress
 from ..blender.units import metres_per_unit
@@ -64,7 +64,7 @@ def apply(
     """Assign a material to objects: they take its values, now and when it changes; physical ones
     also the damping of a preset, by the sizes in a ``depsgraph`` that was evaluated before: after
     each change the next evaluation would trace the scene."""
-    physical = [obj for obj in objects if obj.haptics.function == "physical"]
+    physical = [obj for obj in objects if obj.haptics.function in ("physical", "resilient")]
     # Callers may assign to one object after the other: evaluate the scene only where it is needed.
     if physical and depsgraph is None:
         depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -76,7 +76,7 @@ def apply(
             known = preset_of(obj)
             if (
                 known is not None
-                and (known is _FLESH or DAMPING[known.name].ground)
+                and (known is _FLESH or (known.name in DAMPING and DAMPING[known.name].ground))
                 and obj.haptics.function == "physical"
             ):
                 obj.haptics.wave = "bounded"  # or the next material would stay a half-space
@@ -93,12 +93,6 @@ def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None
         obj: material or (None if obj.haptics.material.name else _PLASTIC)
         for obj, material in made_of.items()
     }
-    if (
-        is_physical
-        and _FLESH in made_of.values()
-        and _FLESH.title not in scene.haptics.materials.items
-    ):
-        _soften_flesh(scene)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     new = [obj for obj in made_of if not obj.haptics.is_property_set("function")]
     for obj in new:
@@ -122,19 +116,6 @@ def become_haptic(obj: Object) -> None:
         make_haptic(scene, {obj: chosen})
     for key, value in own.items():
         setattr(haptics, key, value)
-
-
-def meet_flesh(scene: Scene, objects: Iterable[Object]) -> None:
-    """If some ``objects`` of another file are the first bodies of flesh in a scene, give it the
-    material and the rules that `make_haptic` would."""
-    if scene.haptics.strategy == "as_in_the_paper" or _FLESH.title in scene.haptics.materials.items:
-        return
-    for obj in objects:
-        held = obj.haptics
-        if held.enabled and (held.function, held.material.name) == ("physical", _FLESH.title):
-            _soften_flesh(scene)
-            add_material(scene, _FLESH.title, materials.own_values(obj))
-            return
 
 
 def preset_of(obj: Object) -> Material | None:
@@ -164,10 +145,11 @@ def _damp(
     comparison."""
     haptics = obj.haptics
     is_half_space = (haptics.function, haptics.wave) == ("physical", "surface")
-    haptics.function = "physical"
     name = "plastic" if material is None else material.name
     part = part_in(obj.name) if name == "flesh" else ""
-    values = _damping(name, sizes.of(obj), in_a_building, part, is_half_space)
+    size = sizes.of(obj)
+    values = _damping(name, size.edges, in_a_building, part, is_half_space, size.volume)
+    haptics.function = "resilient" if name in SPRINGS else "physical"
     if material is None:
         values = {**values, "material_k": transfer_coefficient(haptics.kappa, haptics.rho)}
     for key, value in values.items():
@@ -177,49 +159,16 @@ def _damp(
 
 @lru_cache(maxsize=1024)
 def _damping(*told: Any) -> Mapping[str, Any]:
-    """What the properties of an object hold of the `physical` function of a body."""
-    return MappingProxyType(held_values(HapticObjectProperties, physical(*told)))
+    """What the properties of an object hold of the function of a body."""
+    return MappingProxyType(held_values(HapticObjectProperties, function_of(*told)))
 
 
-def use_physical(scene: Scene, objects: Iterable[Object], in_a_building: bool) -> int:
-    """Give objects made of presets the measured functions, and a scene the loss at contacts of
-    flesh. Returns the number of objects."""
-    _harden_flesh(scene)
-    _soften_flesh(scene)
-    return make_physical(objects, in_a_building)
-
-
-def use_paper(scene: Scene, objects: Iterable[Object]) -> int:
-    """Give objects made of presets the paper's function, and let contacts of flesh pass on
-    everything. Returns the number of objects."""
-    _harden_flesh(scene)
+def use_paper(objects: Iterable[Object]) -> int:
+    """Give objects made of presets the paper's function. Returns the number of objects."""
     made = [obj for obj in objects if preset_of(obj) is not None]
     for obj in made:
         obj.haptics.function = "haptic_tracing"
     return len(made)
-
-
-def _soften_flesh(scene: Scene) -> None:
-    """Add the rules for contacts of flesh: with anything the loss in skin and cloth, with flesh
-    none."""
-    for kind, name, function in (("ANY", "", "constant"), ("MATERIAL", _FLESH.title, "identity")):
-        row = scene.haptics.transmission_table.items.add()
-        row.first_kind = "MATERIAL"
-        row.first = _FLESH.title
-        row.second_kind = kind
-        row.second = name
-        row.function, row.constant = function, FLESH_CONTACT
-
-
-def _harden_flesh(scene: Scene) -> None:
-    """Remove the rules for contacts of flesh with anything or flesh."""
-    rows = scene.haptics.transmission_table.items
-    for index in reversed(range(len(rows))):
-        row = rows[index]
-        if (row.first_kind, row.first) == ("MATERIAL", _FLESH.title) and (
-            row.second_kind == "ANY" or row.second == _FLESH.title
-        ):
-            rows.remove(index)
 
 
 def set_bodies(objects: Iterable[Object], body: str) -> int:
@@ -230,7 +179,7 @@ def set_bodies(objects: Iterable[Object], body: str) -> int:
     for obj in bodies:
         _damp(obj, _FLESH, sizes)
         if body == "FELT_ALL_OVER":
-            write_values(obj.haptics, felt_all_over(sizes.of(obj)))
+            write_values(obj.haptics, felt_all_over(sizes.of(obj).edges))
     return len(bodies)
 
 

@@ -29,7 +29,7 @@ MODEL_ITEMS = (
     (
         "PHYSICAL",
         "Physical",
-        "Measured spreading and damping, 6 dB less at contacts of flesh, and the best path",
+        "Measured spreading and damping, and the best path",
     ),
     (
         "PAPER",
@@ -157,7 +157,7 @@ class HAPTIC_OT_match_materials(OnSelected):
 
 
 class HAPTIC_OT_set_model(Edit):
-    """Choose between measured materials and the paper's model for the whole scene: functions of all objects made of presets, contacts of flesh, and the strategy; objects made later follow"""
+    """Choose between measured materials and the paper's model for the whole scene: functions of all objects made of presets, and the strategy; objects made later follow"""
 
     bl_label = "Model"
     bl_property = "model"  # so that a button tells its item
@@ -172,12 +172,12 @@ class HAPTIC_OT_set_model(Edit):
         objects = [obj for obj in editable(with_instanced(scene.objects)) if obj.haptics.enabled]
         if self.model == "PAPER":
             scene.haptics.strategy = scene.haptics.impact_energy = "as_in_the_paper"
-            known = library.use_paper(scene, objects)
+            known = library.use_paper(objects)
         else:
             scene.haptics.impact_energy = "effective"
             if scene.haptics.strategy == "as_in_the_paper":
                 scene.haptics.strategy = "best_path"
-            known = library.use_physical(scene, objects, self.in_a_building)
+            known = library.make_physical(objects, self.in_a_building)
         self.tell("{} of {} haptic objects are made of a preset", known, len(objects))
 
 

@@ -17,7 +17,7 @@ from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.functions import Physical
 from ...core.scene.values import HapticObject, Listener, Settings, Source
 from ..blender.polling import is_editable
-from ..blender.words import show_pair, ui_text
+from ..blender.words import show, show_pair, ui_text
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..session import sessions
@@ -138,7 +138,8 @@ def draw_transmission(layout: UILayout, context: Context, obj: Object) -> None:
     """Draw the material of an object with its κ and ρ."""
     material = library_owner(context, obj)
     _draw_material(layout, context.scene, obj.haptics.material, material)
-    draw_properties(layout, material or obj.haptics, "kappa", "rho")
+    if obj.haptics.function != "resilient":
+        draw_properties(layout, material or obj.haptics, "kappa", "rho")
     if obj.haptics.function == "physical":
         _draw_dial(layout, obj)
 
@@ -279,10 +280,10 @@ class HAPTIC_PT_gain(ObjectPanel):
         )
         layout.template_icon(icon_value=icon, scale=7.0)
         row = layout.row()
-        row.label(text="0 m, 0 to -60 dB")
+        show(row, f"0 {curve.unit}, 0 to -60 dB")
         side = row.row()
         side.alignment = "RIGHT"
-        side.label(text=f"{curve.length:g} m")
+        side.label(text=f"{curve.length:g} {curve.unit}")
         column = layout.column(align=True)
         column.scale_y = 0.8
         if haptics.function == "haptic_tracing":
@@ -290,9 +291,14 @@ class HAPTIC_PT_gain(ObjectPanel):
                 column, "K = (1 - κ) ρ", f"{transfer_coefficient(haptics.kappa, haptics.rho):.2f}"
             )
         for distance in (0.0, curve.length / 10, curve.length / 2):
-            show_pair(column, f"{distance:g} m", gain_text(curve.at(distance)))
+            show_pair(column, f"{distance:g} {curve.unit}", gain_text(curve.at(distance)))
         if curve.bands is not None:
-            column.label(text="Thin lines: 30, 100 and 300 Hz")
+            is_spring = haptics.function == "resilient"
+            column.label(
+                text="Thin lines: 1, 10 and 100 kg"
+                if is_spring
+                else "Thin lines: 30, 100 and 300 Hz"
+            )
 
 
 def _curve_key(

@@ -44,11 +44,11 @@ def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
 @holding(Constant, gain_value="constant")
 @holding(Linear)
 @holding(Exponential)
+@holding(Resilient, frequency="spring_frequency", loss_factor="spring_loss")
 class FunctionParameters:
     """Mixin: the parameters of all functions of objects."""
 
 
 @holding(NormalForce)
-@holding(Resilient, loss_factor="layer_loss")
 class ContactParameters(FunctionParameters):
     """Mixin: the parameters of the functions of contacts."""

@@ -14,7 +14,6 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import ID, Depsgraph, DepsgraphUpdate, Mesh, Object, Scene
 
-from ..authoring import materials
 from ..bake import playback
 from ..blender import job
 from ..blender.handlers import Handlers
@@ -136,7 +135,6 @@ def trace_opened() -> None:
 def imported(context: Any) -> None:
     """After objects of another file are appended or linked, assets among them."""
     objects = [item for item in context.import_items if isinstance(item.id, Object)]
-    materials.meet_flesh(bpy.context.scene, [item.id for item in objects])
     for item in objects:
         if item.source_library is not None and item.id.library is None:
             source = bpy.path.abspath(item.source_library.filepath)

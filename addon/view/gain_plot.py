@@ -9,12 +9,16 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.scene.bands import BAND_COUNT, BAND_EDGES
-from ...core.scene.functions import ModulationFunction
+from ...core.scene.functions import ModulationFunction, Resilient
 from ..session.derived import Background, Latest
 from .panel_picture import SIZE, Canvas, Colour, Picture, Pixels
 
 FLOOR = -60.0
 """Gain at the bottom of the picture [dB]."""
+
+LOADS = (1.0, 10.0, 100.0)
+"""Masses on springs whose curves are drawn [kg]."""
+_HIGHEST = 200.0
 
 _MARGIN = 10
 
@@ -26,13 +30,15 @@ _LENGTHS = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 @dataclass(frozen=True, eq=False)
 class GainCurve:
-    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``. ``bands`` (3, n): those at
-    30, 100 and 300 Hz, or None if the function does not depend on frequency."""
+    """``gains`` (n,) at ``distances`` (n,) [m], from 0 to ``length``; of a spring at frequencies
+    [Hz]. ``bands`` (3, n): those at 30, 100 and 300 Hz, or None if the function does not depend on
+    frequency; of a spring those under the `LOADS`, or None if these do not matter."""
 
     length: float
     distances: FloatArray
     gains: FloatArray
     bands: FloatArray | None
+    unit: str = "m"
 
     def at(self, distance: float) -> float:
         """The gain at a distance up to ``length``."""
@@ -52,6 +58,8 @@ def gain_curve(
         epsilon: the paper's least attenuation [1/m].
         count: number of points.
     """
+    if isinstance(function, Resilient):
+        return _spring_curve(function, count)
     probe = np.array([0.0, *_LENGTHS])
     gains = function.gain(probe, kappa, rho, epsilon)
     faint = np.flatnonzero(gains[1:] <= _FAINT)
@@ -72,6 +80,16 @@ def gain_curve(
         )
         bands = plain * factor[:, None] * np.exp(-decay[:, None] * distances)
     return GainCurve(length, distances, plain, bands)
+
+
+def _spring_curve(function: Resilient, count: int) -> GainCurve:
+    frequencies = np.linspace(0.0, _HIGHEST, count)
+    gains = np.array(
+        [[function.transmissibility(f, mass) for f in frequencies.tolist()] for mass in LOADS]
+    )
+    return GainCurve(
+        _HIGHEST, frequencies, gains[1], None if function.frequency else gains, unit="Hz"
+    )
 
 
 _curve: Background[GainCurve | None] = Background()

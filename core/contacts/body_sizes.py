@@ -3,21 +3,36 @@ body."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from .hull import convex_hull
 from .shapes import ConvexHull, Mesh, Shape
 
-Sizes = tuple[float, float, float]
+Edges = tuple[float, float, float]
 
 SHEET = 0.01
 """Thickness [m] of a sheet modelled as one surface."""
 
 
-def sizes_of(shape: Shape) -> Sizes:
-    """Length, width and thickness of a body [m], in descending order; the thickness is that of its
-    wall."""
+class Size(NamedTuple):
+    """The ``edges`` of a body [m], in descending order, the last of them the thickness of its wall,
+    and its ``volume`` [m^3]."""
+
+    edges: Edges
+    volume: float
+
+    @classmethod
+    def of_box(cls, edges: Edges) -> Size:
+        """That of a box."""
+        large, middle, small = sorted(edges, reverse=True)
+        return cls((large, middle, small), large * middle * small)
+
+
+def size_of(shape: Shape) -> Size:
+    """The size of a body of this shape."""
     x, y, z = np.ptp(shape.local_bounds, axis=0).tolist()
     match shape:
         case Mesh():
@@ -25,29 +40,29 @@ def sizes_of(shape: Shape) -> Sizes:
         case ConvexHull():
             hull = convex_hull(shape.points)
             return walled((x, y, z), hull.points, hull.triangles)
-    large, middle, small = sorted((x, y, z), reverse=True)
-    return large, middle, small
+    return Size.of_box((x, y, z))
 
 
-def walled(size: Sizes, points: FloatArray, triangles: IntArray) -> Sizes:
-    """The sizes of a bounding box in descending order, the last of them that of the wall of the
-    body whose surface are ``triangles`` (t, 3) over ``points`` (n, 3) [m]: by volume and area of a
-    closed mesh, at most `SHEET` of one with open edges."""
-    large, middle, small = sorted(size, reverse=True)
+def walled(box: Edges, points: FloatArray, triangles: IntArray) -> Size:
+    """The size of a body with a bounding ``box``, whose surface are ``triangles`` (t, 3) over
+    ``points`` (n, 3) [m]; its wall by volume and area of a closed mesh, at most `SHEET` of one with
+    open edges."""
     if len(triangles) == 0:
-        return large, middle, small
+        return Size.of_box(box)
+    large, middle, small = sorted(box, reverse=True)
     a, b, c = points[triangles].transpose(1, 0, 2)
     across = np.cross(b - a, c - a)
     edges = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1).reshape(-1, 2))
     _, faces = np.unique(edges[:, 0] * len(points) + edges[:, 1], return_counts=True)
+    area = float(np.linalg.norm(across, axis=1).sum() / 2)
     if (faces == 2).all():
-        area = float(np.linalg.norm(across, axis=1).sum() / 2)
         volume = abs(float(np.einsum("ij,ij->", a, across) / 6))
-        return large, middle, wall_of((large, middle, small), volume, area)
-    return large, middle, min(small or SHEET, SHEET)
+        return Size((large, middle, wall_of((large, middle, small), volume, area)), volume)
+    wall = min(small or SHEET, SHEET)
+    return Size((large, middle, wall), area * wall)
 
 
-def wall_of(size: Sizes, volume: float, area: float) -> float:
+def wall_of(size: Edges, volume: float, area: float) -> float:
     """The thickness [m] of the wall of a closed body with the sizes of its bounding box, the
     greatest first, from its volume [m³] and the area of its surface, inside and outside [m²].
 

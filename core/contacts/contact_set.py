@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..frozen import frozen
-from ..scene.functions import Identity, ModulationFunction
+from ..scene.functions import Identity, Impedance, ModulationFunction
 from ..scene.values import Contact
 
 
@@ -32,7 +32,7 @@ class ContactSet:
     area: FloatArray
     weight: FloatArray
     transmission: IntArray
-    transmissions: tuple[ModulationFunction, ...] = (Identity(),)
+    transmissions: tuple[ModulationFunction, ...] = (Impedance(),)
 
     def __len__(self) -> int:
         return len(self.pairs)

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..scene.functions import Identity, ModulationFunction
+from ..scene.functions import Impedance, ModulationFunction
 from ..scene.rule_table import RuleTable
 from .contact_set import ContactSet
 
 
 class TransmissionRules:
     """Transmission functions of contacts between ``objects``, each given by name and material: from
-    the ``table``, otherwise the identity.
+    the ``table``, otherwise by impedance.
 
     Pairs are looked up once.
     """
@@ -25,7 +25,7 @@ class TransmissionRules:
         self.table = table
         self.objects = objects
         self.functions: tuple[ModulationFunction, ...] = (
-            Identity(),
+            Impedance(),
             *(row.value for row in table.rows),
         )
         self._known: dict[tuple[int, int], int] = {}

@@ -28,6 +28,7 @@ from ..scene.functions.spreading import Spreading
 from ..scene.rules import Motion
 from ..scene.spectra import leading_band
 from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKind, Vector
+from .impedances import Bodies, passed_by_bodies
 from .object_frames import ObjectFrames
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class ObjectTable:
         band_gains: (n, bands), or None if no object uses them.
         band_decays: (n, bands) [1/m], or None.
         slowness: (n,) [s/m], or None.
-        properties: (3, n) kappa, rho and impedance, which transmission functions may depend on.
+        properties: (2, n) kappa and rho, which transmission functions may depend on.
     """
 
     names: tuple[str, ...]
@@ -87,6 +88,7 @@ class ObjectTable:
     _in_bands: dict[int, ObjectTable] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )
+    _bodies: list[Bodies] = field(init=False, repr=False, compare=False, default_factory=list)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_index", {name: i for i, name in enumerate(self.names)})
@@ -149,12 +151,17 @@ class ObjectTable:
             band_gains=bands,
             band_decays=decays,
             slowness=slowness,
-            properties=np.array(
-                [(o.kappa, o.rho, o.propagation.impedance) for o in kinds], dtype=np.float64
-            )
-            .reshape(-1, 3)
+            properties=np.array([(o.kappa, o.rho) for o in kinds], dtype=np.float64)
+            .reshape(-1, 2)
             .T.take(of, axis=1),
         )
+
+    @property
+    def bodies(self) -> Bodies:
+        """The bodies of the objects, by whose impedances contacts pass on."""
+        if not self._bodies:
+            self._bodies.append(Bodies.of(self.objects))
+        return self._bodies[0]
 
     def index(self) -> Mapping[str, int]:
         """Number of each object by name."""
@@ -508,7 +515,7 @@ def build_graph(
     partner, contact = _inter_connections(rank, count)
     frames = frames or ObjectFrames.unknown(len(table.names))
     forces = _forces(table, contacts, frames, gravity)
-    loss, band_gains, delay = _transmissions(table, contacts, forces)
+    loss, band_gains, delay = _transmissions(table, contacts, frames, forces)
     listener_nodes = rank[2 * count + len(source_entries) :]
     in_bands = (
         table.band_gains is not None or table.band_decays is not None or band_gains is not None
@@ -710,11 +717,12 @@ def _forces(
 
 
 def _transmissions(
-    table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
+    table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, forces: FloatArray | None
 ) -> tuple[FloatArray, FloatArray | None, FloatArray | None]:
     """Loss (c, 2), band gains (c, 2, bands) and delay (c,) of each inter-connection, including the
-    weights of the contacts; alike in both directions. A function of kappa and rho uses the mean of
-    the two objects; ``angle`` is the contact normal's angle to the vertical."""
+    weights of the contacts; alike in both directions but for impedances. A function of kappa and
+    rho uses the mean of the two objects; ``angle`` is the contact normal's angle to the
+    vertical."""
     losses = np.zeros(len(contacts), dtype=np.float64)
     band_gains = delay = None
     if not all(
@@ -723,7 +731,7 @@ def _transmissions(
     ):
         distance = distances(contacts.positions[:, 0], contacts.positions[:, 1])
         for number, function in enumerate(contacts.transmissions):
-            if function.name == "identity":
+            if function.name in ("identity", "impedance"):
                 continue
             chosen = np.flatnonzero(contacts.transmission == number)
             gains = _transmission_gains(table, contacts, function, chosen, distance[chosen], forces)
@@ -750,7 +758,14 @@ def _transmissions(
         with np.errstate(divide="ignore"):
             losses = losses - np.log(contacts.weight)
     both = np.stack([losses, losses], axis=1)
-    return both, None if band_gains is None else np.stack([band_gains] * 2, axis=1), delay
+    bands = None if band_gains is None else np.stack([band_gains] * 2, axis=1)
+    passed = passed_by_bodies(table.bodies, contacts, frames)
+    if passed is not None:
+        most = passed.max(axis=2)
+        with np.errstate(divide="ignore"):
+            both -= np.log(most)
+        bands = passed / most[:, :, None] * (1.0 if bands is None else bands)
+    return both, bands, delay
 
 
 def _transmission_gains(
@@ -772,16 +787,11 @@ def _transmission_gains(
         forces: of all contacts [N], None where no function uses them.
     """
     pairs = contacts.pairs[chosen]
-    kappas, rhos, impedances = table.properties[:, pairs]
-    first, second = impedances.T
-    met = (first > 0) & (second > 0)
+    kappas, rhos = table.properties[:, pairs]
     parameters = {
         "area": contacts.area[chosen],
         "depth": contacts.depth[chosen],
         "angle": np.arccos(np.minimum(1.0, np.abs(contacts.normal[chosen, 2]))),
-        "match": np.where(
-            met, 2 * np.sqrt(first * second) / np.where(met, first + second, 1.0), 1.0
-        ),
         "force": np.full(len(chosen), math.nan) if forces is None else forces[chosen],
     }
     kappa = kappas.mean(axis=1)

@@ -25,13 +25,14 @@ joints of Drillis and Contini (1966).
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
 from ..frozen import frozen
-from .functions import Physical, Wave
+from .functions import Physical, Resilient, Wave
 from .functions.physical import BOUNDS_OF_K
 from .materials import MATERIALS, TABLE
 
@@ -55,9 +56,28 @@ class Damping:
 
 
 DAMPING: Mapping[str, Damping] = MappingProxyType(
-    {name: Damping(**row["damping"]) for name, row in TABLE.items()}
+    {name: Damping(**row["damping"]) for name, row in TABLE.items() if "damping" in row}
 )
-"""Damping by the names of the library's materials."""
+"""Damping by the names of the library's materials, but for springs."""
+
+
+@frozen
+class Spring:
+    """A spring: ``stiffness`` [N/m] of the whole, or ``modulus`` [Pa] of a layer, whose stiffness
+    follows from area and thickness; ``loss_factor``."""
+
+    loss_factor: float
+    stiffness: float = 0.0
+    modulus: float = 0.0
+
+
+SPRINGS: Mapping[str, Spring] = MappingProxyType(
+    {name: Spring(**row["spring"]) for name, row in TABLE.items() if "spring" in row}
+)
+"""Springs by the names of the library's materials. Their values are of the usual ranges, and
+estimates: tyres of cars 150 to 250 kN/m, springs of their suspensions 15 to 30, engine mounts 100
+to 400; rubber of 50 Shore A 2.5 MPa, midsoles of shoes 1 to 3, felt and carpet 0.2 to 1, foam of
+seats 20 to 60 kPa, of mattresses 5 to 20."""
 
 _LIMBS = json.loads(Path(__file__).with_name("limbs.json").read_text("utf-8"))
 LIMBS: Mapping[str, tuple[float, float]] = MappingProxyType(
@@ -80,6 +100,7 @@ def physical(
     in_a_building: bool = False,
     part: str = "",
     is_half_space: bool = False,
+    volume: float = 0.0,
 ) -> Physical:
     """The propagation function of a body of a material of the library.
 
@@ -90,6 +111,7 @@ def physical(
         in_a_building: it is a wall or floor in place, whose edges and joints add attenuation.
         part: the body part, without its side, if it is of flesh.
         is_half_space: waves travel along its surface without end, as in materials of the ground.
+        volume: [m^3]; 0: the product of its sizes.
     """
     damping = DAMPING[name]
     material = MATERIALS[name]
@@ -106,6 +128,9 @@ def physical(
     )
     if name == "flesh":
         function = replace(function, extent=max(large, 1e-3))
+    width = function.extent * function.thickness
+    function = replace(function, length=(volume or small * middle * large) / width)
+    if name == "flesh":
         if small <= SKIN:
             return replace(function, wave=Wave.SURFACE, reference_distance=SKIN)
         part = part or ("body" if large > _LONGEST_PART else "")
@@ -118,6 +143,24 @@ def physical(
     )
 
 
+def function_of(
+    name: str,
+    size: tuple[float, float, float],
+    in_a_building: bool = False,
+    part: str = "",
+    is_half_space: bool = False,
+    volume: float = 0.0,
+) -> Physical | Resilient:
+    """The function of a body of a material of the library: of a spring that, else `physical`, as
+    whose arguments these are."""
+    spring = SPRINGS.get(name)
+    if spring is None:
+        return physical(name, size, in_a_building, part, is_half_space, volume)
+    thickness = max(min(size), 1e-4)
+    layer = spring.modulus * (volume or math.prod(size)) / thickness**2
+    return Resilient(stiffness=spring.stiffness or layer or 1.0, loss_factor=spring.loss_factor)
+
+
 def felt_all_over(size: tuple[float, float, float]) -> Physical:
     """The function of a body of flesh that feels all over what shakes any part of it: at every
     frequency the attenuation that the library chooses for flesh at 100 Hz, 5 dB per metre. A design
@@ -125,8 +168,3 @@ def felt_all_over(size: tuple[float, float, float]) -> Physical:
     return replace(
         physical("flesh", size), loss_factor=0.0, absorption=MATERIALS["flesh"].absorption
     )
-
-
-FLESH_CONTACT = 0.5
-"""Gain of contacts of flesh with anything else: -6 dB for skin and cloth. A design choice: a
-stiffness of that layer is published of the fingertip only."""

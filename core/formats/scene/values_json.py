@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ...contacts.body_sizes import sizes_of
+from ...contacts.body_sizes import Size, size_of
 from ...contacts.shapes import Shape, shape_from_dict
 from ...declaration import declared, default_of
 from ...forms import Form, JsonObject
@@ -21,7 +21,7 @@ from ...scene.device_mapping import ActuatorMapping
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactLimits, ImpactRule
 from ...scene.materials import preset_named
-from ...scene.measured import physical
+from ...scene.measured import function_of
 from ...scene.references import Place, PlacedError, meant
 from ...scene.rule_table import Rule, RuleTable, Side
 from ...scene.rules import ContactSettings
@@ -87,9 +87,10 @@ def read_object(form: Form, place: Place) -> HapticObject:
     item = read_value(HapticObject, {**given, **form}, place)
     if "propagation" in form:
         return item
-    sizes = (1.0, 1.0, 1.0) if item.shape is None else sizes_of(item.shape)
+    size = Size.of_box((1.0, 1.0, 1.0)) if item.shape is None else size_of(item.shape)
     part = part_in(item.name) if material.name == "flesh" else ""
-    return replace(item, propagation=physical(material.name, sizes, part=part))
+    made = function_of(material.name, size.edges, part=part, volume=size.volume)
+    return replace(item, propagation=made)
 
 
 def read_function(

@@ -21,6 +21,7 @@ from ...forms import JsonObject
 from ...frozen import frozen
 from ..bands import BAND_COUNT
 from ..coefficients import transfer_coefficient
+from .body import Body
 from .expression import MAX_LENGTH, CompiledExpression, compile_expression
 from .spreading import NO_SPREADING, Law
 
@@ -138,7 +139,7 @@ class ModulationFunction(Declared):
             rho: of the object.
             epsilon: the paper's least attenuation [1/m].
             contact: None in an object. Of a contact: area [m^2], depth [m], angle [rad], if used
-                force [N] (NaN if unknown), and match, the gain by the impedances of the two bodies.
+                and force [N] (NaN if unknown).
         """
         pair = self.log_linear(0.0, 0.0, epsilon)
         assert pair is not None
@@ -150,10 +151,15 @@ class ModulationFunction(Declared):
         return self.spectrum.band_gains
 
     @property
-    def impedance(self) -> float:
-        """Density times wave speed of the body [kg/(m^2 s)], 0 if the function does not define
-        it."""
-        return 0.0
+    def body(self) -> Body | None:
+        """What decides the impedance of a body with this function; None if it has none."""
+        return None
+
+    @property
+    def between_bodies(self) -> tuple[float, float] | None:
+        """Of a contact that passes on what both bodies can take, stiffness [N/m] and loss factor of
+        a spring in it, infinite and 0 without one; None for other functions."""
+        return None
 
     @property
     def uses_force(self) -> bool:

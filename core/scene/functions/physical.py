@@ -12,6 +12,7 @@ from ...declaration import choice, number
 from ...frozen import frozen
 from ..bands import BAND_CENTRES
 from ..coefficients import transfer_coefficient
+from .body import Body
 from .modulation import LogLinear, ModulationFunction, OnContact, Value
 from .spreading import NO_SPREADING, Law, Spreading
 
@@ -20,6 +21,9 @@ _FELT = 0.06
 metres; below this, bands are left out."""
 
 _FAR = 10.0
+
+_SLOWEST = 1.0
+"""Least resonance of a limb [Hz] that counts for its impedance."""
 
 BOUNDS_OF_K = 0.01, 0.99
 """Within these a material's own coefficient is held, by which the damping is divided."""
@@ -75,10 +79,10 @@ class Physical(ModulationFunction):
     (`Spreading.cost`).
 
     Lengths in metres. ``reference_distance``: r0, the radius of the driven area. ``extent``: the
-    width of a body, of a half-space the distance of its edge (0: infinite). ``phase_speed`` in m/s,
+    width of a body, of a half-space the distance of its edge (0: infinite). ``length``: volume over
+    width and thickness (0: infinite). ``phase_speed`` in m/s,
     of extensional, surface or shear waves; it causes no delay (`Spectrum.wave_speed` does).
-    ``density`` in kg/m^3 and phase speed determine the impedance for transmission functions of
-    contacts.
+    ``density`` in kg/m^3, phase speed and sizes determine the impedance at contacts.
     """
 
     name, label = "physical", "Physical"
@@ -105,8 +109,7 @@ class Physical(ModulationFunction):
     density: float = number(
         1000.0,
         "Density",
-        "With the speed it gives the impedance that contacts may depend on: steel 7850, "
-        "water 1000, foam 40",
+        "With the sizes it gives the mass that contacts depend on: steel 7850, water 1000, foam 40",
         0.0,
         soft=(0.1, 20000.0),
         unit="kg/m³",
@@ -158,6 +161,15 @@ class Physical(ModulationFunction):
         soft=(0.0, 100.0),
         unit="m",
     )
+    length: float = number(
+        0.0,
+        "Length",
+        "Volume over width and thickness; with them and the density it is the mass that contacts "
+        "depend on. 0: without end",
+        0.0,
+        soft=(0.0, 100.0),
+        unit="m",
+    )
     resonance: float = number(
         20.0,
         "Resonance",
@@ -196,8 +208,16 @@ class Physical(ModulationFunction):
         return np.asarray(np.minimum(k / self.material_k, 1.0), dtype=np.float64)
 
     @property
-    def impedance(self) -> float:
-        return self.density * self.phase_speed
+    def body(self) -> Body:
+        return Body(
+            self.density,
+            self.phase_speed,
+            self.reference_distance if self.wave is Wave.SURFACE else 0.0,
+            max(self.resonance, _SLOWEST) if self.wave is Wave.LIMB else math.inf,
+            length=self.length or math.inf,
+            width=self.extent or math.inf,
+            thickness=self.thickness,
+        )
 
     def spreading(self, distance: FloatArray) -> FloatArray:
         """The gain by spreading alone."""

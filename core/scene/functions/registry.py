@@ -21,12 +21,21 @@ from .physical import Physical
 
 FUNCTIONS: dict[str, type[ModulationFunction]] = {
     cls.name: cls
-    for cls in (Identity, Constant, Linear, Exponential, HapticTracing, Expression, Physical)
+    for cls in (
+        Identity,
+        Constant,
+        Linear,
+        Exponential,
+        HapticTracing,
+        Expression,
+        Physical,
+        Resilient,
+    )
 }
 """Propagation functions, of objects, by their names in files."""
 TRANSMISSIONS: dict[str, type[ModulationFunction]] = {
     **FUNCTIONS,
-    **{cls.name: cls for cls in (Impedance, Resilient, NormalForce)},
+    **{cls.name: cls for cls in (Impedance, NormalForce)},
 }
 """Transmission functions, of contacts, by their names in files."""
 _SPECTRUM_KEYS = ("band_gains", "band_decays", "wave_speed")

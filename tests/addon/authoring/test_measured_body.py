@@ -65,23 +65,19 @@ def test_both_directions_are_one_step_of_undo(body):
     bpy.context.preferences.edit.use_global_undo = True
     bpy.ops.haptic.add_default_listeners()
     bpy.ops.ed.undo_push(message="body")
-    for model, function, rules in (("PAPER", "haptic_tracing", 0), ("PHYSICAL", "physical", 2)):
+    for model, function in (("PAPER", "haptic_tracing"), ("PHYSICAL", "physical")):
         before = _model()
         bpy.ops.haptic.set_model(model=model)
         bpy.ops.ed.undo_push(message=model)
         bpy.ops.ed.undo()
         assert _model() == before
         bpy.ops.ed.redo()
-        assert _model() == ("best_path" if rules else "as_in_the_paper", function, rules)
+        assert _model() == ("best_path" if model == "PHYSICAL" else "as_in_the_paper", function)
 
 
 def _model():
     haptics = bpy.context.scene.haptics
-    return (
-        haptics.strategy,
-        bpy.data.objects["Somebody"].haptics.function,
-        len(haptics.transmission_table.items),
-    )
+    return haptics.strategy, bpy.data.objects["Somebody"].haptics.function
 
 
 def test_a_new_body_is_measured(body):
@@ -101,10 +97,6 @@ def test_the_order_of_buttons_does_not_matter(body):
     assert (body.haptics.material.name, body.haptics.function) == ("Flesh", "physical")
     bpy.ops.haptic.add_default_listeners()
     assert (body.haptics.function, body.haptics.resonance) == ("physical", LIMBS["body"][0])
-    assert [row.function for row in bpy.context.scene.haptics.transmission_table.items] == [
-        "constant",
-        "identity",
-    ]
 
 
 def test_more_listeners_leave_a_body_as_it_is(body):

@@ -20,7 +20,7 @@ def sizes(scene):
 
     def of_active():
         active = bpy.context.view_layer.objects.active
-        return Sizes(bpy.context.evaluated_depsgraph_get()).of(active)
+        return Sizes(bpy.context.evaluated_depsgraph_get()).of(active).edges
 
     return of_active
 
@@ -56,7 +56,32 @@ def test_bodies_that_share_a_mesh_have_each_the_sizes_of_their_scale(add_box):
     bpy.context.view_layer.update()
     sizes = Sizes(bpy.context.evaluated_depsgraph_get())
     for box, scale in zip(boxes, scales, strict=True):
-        assert sizes.of(box) == pytest.approx(sorted(map(abs, scale), reverse=True), rel=1e-5)
+        assert sizes.of(box).edges == pytest.approx(sorted(map(abs, scale), reverse=True), rel=1e-5)
+        assert sizes.of(box).volume == pytest.approx(abs(math.prod(scale)), rel=1e-5)
+
+
+def test_volumes_are_those_of_the_meshes(scene):
+    """A cylinder, a ball, and a sheet of 1 m² that counts as a centimetre thick."""
+    bpy.ops.mesh.primitive_cylinder_add(vertices=128, radius=0.2, depth=3)
+    cylinder = bpy.context.object
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64, radius=0.5)
+    ball = bpy.context.object
+    bpy.ops.mesh.primitive_plane_add(size=1)
+    sheet = bpy.context.object
+    sizes = Sizes(bpy.context.evaluated_depsgraph_get())
+    assert sizes.of(cylinder).volume == pytest.approx(math.pi * 0.2**2 * 3, rel=0.01)
+    assert sizes.of(ball).volume == pytest.approx(math.pi / 6, rel=0.01)
+    assert sizes.of(sheet).volume == pytest.approx(0.01, rel=0.01)
+
+
+def test_a_ball_that_is_made_haptic_weighs_what_it_should(scene):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64, radius=0.1)
+    ball = bpy.context.object
+    ball.name = "Steel Ball"
+    bpy.ops.haptic.make_objects()
+    held = ball.haptics
+    volume = held.length * held.extent * held.plate_thickness
+    assert volume * held.density == pytest.approx(7850 * 4 / 3 * math.pi * 0.1**3, rel=0.01)
 
 
 def test_solid_cylinders_and_balls_are_as_thick_as_they_are_wide(sizes, scene):

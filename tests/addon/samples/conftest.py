@@ -49,7 +49,7 @@ def measured_gain(haptics: Any, distance: float, frequency: float) -> float:
 def gain_along() -> Callable[..., float]:
     """The gain of a path, times the source's amplitude, by the closed form: the product over its
     objects of K e^(-max(K, eps) d), e^(-alpha d) where so chosen, or what measured materials pass
-    on of a frequency [Hz]; and a half where something else touches flesh."""
+    on of a frequency [Hz]; contacts pass on everything, as what is light rides on what is heavy."""
 
     def gain(
         scene: Any,
@@ -80,7 +80,6 @@ def gain_along() -> Callable[..., float]:
             else:
                 factor = (1 - haptics.kappa) * haptics.rho
                 product *= factor * np.exp(-max(factor, 0.1) * distance)
-        flesh = [scene.objects[name].haptics.material.name == "Flesh" for name in path]
-        return float(product * 0.5 ** (np.diff(flesh) != 0).sum())
+        return float(product)
 
     return gain

@@ -201,7 +201,7 @@ MISTAKES: dict[str, Mistake] = {
     "modulation unknown": Mistake(
         ("objects", 0, "propagation"),
         {"function": "exponentail"},
-        '/objects/0/propagation/function: must be "identity" or "constant" or "linear" or "exponential" or "haptic_tracing" or "expression" or "physical" or "impedance" or "resilient" or "normal_force", got "exponentail", did you mean \'exponential\'?',
+        '/objects/0/propagation/function: must be "identity" or "constant" or "linear" or "exponential" or "haptic_tracing" or "expression" or "physical" or "resilient" or "impedance" or "normal_force", got "exponentail", did you mean \'exponential\'?',
     ),
     "propagation as text": Mistake(
         ("objects", 0, "propagation"),
@@ -258,7 +258,7 @@ MISTAKES: dict[str, Mistake] = {
     "signal type": Mistake(
         ("sources", 0, "signal"),
         {"type": "sine", "frequency": 60},
-        "/sources/0/signal/signal: is required: is 'type' meant to be it?",
+        "/sources/0/signal/signal: is required",
     ),
     "signal misspelt frequency": Mistake(
         ("sources", 0, "signal"),

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from haptic_tracing.core.scene.functions import Wave
 from haptic_tracing.core.scene.materials import MATERIALS
-from haptic_tracing.core.scene.measured import DAMPING, physical
+from haptic_tracing.core.scene.measured import DAMPING, SPRINGS, physical
 
 PLATE, ROD, BLOCK = (4.0, 3.0, 0.02), (0.05, 0.05, 5.0), (1.0, 1.0, 1.0)
 
@@ -20,7 +20,8 @@ def loss(loss_factor, speed, frequency, size, ground):
 
 
 def test_every_material_has_numbers_within_their_ranges():
-    assert set(DAMPING) == set(MATERIALS)
+    assert set(DAMPING) | set(SPRINGS) == set(MATERIALS)
+    assert not set(DAMPING) & set(SPRINGS)
     for name, damping in DAMPING.items():
         assert damping.loss_range[0] <= damping.loss_factor <= damping.loss_range[1], name
         assert damping.speed_range[0] <= damping.speed <= damping.speed_range[1], name
