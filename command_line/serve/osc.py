@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import select
 import threading
+from collections.abc import Callable
+from itertools import chain
 from typing import Any
 
 from pythonosc.dispatcher import Dispatcher
@@ -12,8 +15,20 @@ from pythonosc.udp_client import SimpleUDPClient
 from ...core.forms import JsonObject
 from .conversation import MOST_OBJECTS, Conversation, text_of
 
+_MOST_WAITING = 64
 _LONGEST = 1024
 """Characters of a name."""
+
+
+class _Server(BlockingOSCUDPServer):
+    """A server that calls ``answer`` after each packet behind which no other one waits."""
+
+    answer: Callable[[], None]
+
+    def service_actions(self) -> None:
+        """Called after each packet, and now and then."""
+        if not select.select([self.socket], [], [], 0)[0]:
+            self.answer()
 
 
 class OscDoor:
@@ -29,7 +44,10 @@ class OscDoor:
         dispatcher.map("/haptic/step", self._step, needs_reply_address=True)
         dispatcher.map("/haptic/play", self._play, needs_reply_address=True)
         dispatcher.map("/haptic/stop", self._stop, needs_reply_address=True)
-        self.server = BlockingOSCUDPServer(("127.0.0.1", port), dispatcher)
+        self._client: tuple[str, int] = ("", 0)
+        self._texts: list[str] = []  # what this client has said since it was answered
+        self.server = _Server(("127.0.0.1", port), dispatcher)
+        self.server.answer = self._answer
         self._thread = threading.Thread(
             target=self.server.serve_forever, name="haptics osc", daemon=True
         )
@@ -58,9 +76,19 @@ class OscDoor:
         self._say(client, {"type": "stop"})
 
     def _say(self, client: tuple[str, int], message: JsonObject) -> None:
-        """Answer a message to where it came from."""
-        to = SimpleUDPClient(*client[:2])
-        for answer in self._conversation.answer(text_of(message)):
+        """Note a message, which is answered to where it came from."""
+        if client != self._client or len(self._texts) >= _MOST_WAITING:
+            self._answer()
+        self._client = client
+        self._texts.append(text_of(message))
+
+    def _answer(self) -> None:
+        """Answer what was said: of steps that waited the newest."""
+        if not self._texts:
+            return
+        texts, self._texts = self._texts, []
+        to = SimpleUDPClient(*self._client[:2])
+        for answer in chain.from_iterable(self._conversation.answers(texts)):
             if isinstance(answer, bytes):
                 continue
             if answer["type"] == "error":

@@ -303,6 +303,28 @@ def test_osc_waits_for_no_date_and_keeps_a_bounded_number_of_poses():
             begun = time.monotonic()
             assert b"/haptic/level" in ask(0.1)
             assert time.monotonic() - begun < 10
+            lock = threading.Lock()  # the server is busy while steps come
+            answers = conversation.answers
+
+            def wait(texts):
+                with lock:
+                    told.append(len(texts))
+                    return [*answers(texts)]
+
+            told = []
+            conversation.answers = wait
+            with lock:
+                for k in range(30):
+                    message = OscMessageBuilder("/haptic/step")
+                    message.add_arg(0.2 + k / 60, "d")
+                    client.sendto(message.build().dgram, to)
+                time.sleep(0.2)
+            levels = [client.recv(9000)]
+            client.settimeout(2)
+            with pytest.raises(TimeoutError):
+                while True:
+                    levels.append(client.recv(9000))
+            assert sum(told) == 30 and len(told) == len(levels) <= 3
         for k in range(2 * MOST_OBJECTS):
             osc._pose("/haptic/pose", f"{k} " + "x" * 5000, *range(500))
     assert len(osc._poses) == MOST_OBJECTS
