@@ -89,6 +89,7 @@ NEVER_NONE = {
         "Depsgraph.view_layer",
         "KeyMapItem.properties",
         "Scene.view_settings",
+        "ViewLayer.depsgraph",
         "Window.screen",
     ),
     *(

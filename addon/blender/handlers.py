@@ -7,6 +7,17 @@ from collections.abc import Callable
 
 import bpy
 
+_EXTENSION = __package__.removesuffix(".addon.blender")
+
+
+def are_frames_shared() -> bool:
+    """Whether others than this extension have handlers of frames: what these change, Blender
+    evaluates after them, without an event."""
+    return any(
+        not getattr(handler, "__module__", "").startswith(_EXTENSION)
+        for handler in bpy.app.handlers.frame_change_post
+    )
+
 
 class Handlers(dict[str, Callable[..., None]]):
     """Handlers by the names of their events; events that this Blender does not have are left out

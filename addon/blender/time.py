@@ -5,6 +5,21 @@ from __future__ import annotations
 import bpy
 from bpy.types import Scene
 
+from ...core.frozen import frozen
+
+
+@frozen
+class Moment:
+    """A frame of a scene's timeline; ``is_whole``: not between two frames."""
+
+    frame: int
+    is_whole: bool
+
+    @classmethod
+    def of(cls, scene: Scene) -> Moment:
+        """The current one."""
+        return cls(scene.frame_current, scene.frame_subframe == 0)
+
 
 def frame_seconds(scene: Scene) -> float:
     """Duration of a frame [s]."""

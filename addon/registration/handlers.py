@@ -7,7 +7,8 @@ In scenes without haptic objects they return without loading the core.
 from __future__ import annotations
 
 import sys
-from collections.abc import Container
+from collections.abc import Callable, Container
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -16,8 +17,8 @@ from bpy.types import ID, Depsgraph, DepsgraphUpdate, Mesh, Object, Scene
 
 from ..bake import playback
 from ..blender import job
-from ..blender.handlers import Handlers
-from ..blender.time import is_playing
+from ..blender.handlers import Handlers, are_frames_shared
+from ..blender.time import Moment, is_playing
 from ..changes import events
 from ..changes.redraw import redraw_viewports
 from ..changes.revisions import mark_changed, mark_edited
@@ -33,48 +34,71 @@ from . import properties
 if TYPE_CHECKING:
     from ..scene_reader.evaluation import Evaluation
 
-_ADDON = __package__.rpartition(".")[0]
-
 _PATIENCE = 1.0
 """Longest wait of a frame for the trace of the one before [s]."""
 
 
 @persistent
 def frame_change_pre(*_: Any) -> None:
-    """Blender begins to evaluate a frame."""
+    """Blender begins to evaluate a frame; the last one is still there to be read."""
+    _read_postponed()
     sessions.evaluation_begins()
 
 
 @persistent
 def frame_change_post(scene: Scene, depsgraph: Depsgraph) -> None:
-    """Trace the frame that Blender has just evaluated, or read it from the baked track."""
-    # What other scripts change now, Blender evaluates without an event.
-    is_last = all(
-        getattr(handler, "__module__", "").startswith(_ADDON)
-        for handler in bpy.app.handlers.frame_change_post
-    )
-    evaluation = _noted(depsgraph, is_last)
-    if is_suspended() or not _is_traced(depsgraph) or not _is_concerned(scene):
+    """Trace the frame that Blender has just evaluated, or read it from the baked track.
+
+    Where other add-ons have handlers of frames, too, Blender evaluates after them what they have
+    changed, without an event: the frame is read after that.
+    """
+    is_shared = are_frames_shared()
+    evaluation = _noted(depsgraph, names_all=not is_shared)
+    if is_suspended() or is_stepped(scene) or not _is_traced(depsgraph) or not _is_concerned(scene):
         return
     sessions.evaluation_ends()
-    if is_stepped(scene):  # by a bake, an export or a script: every frame, whatever the settings
-        session.begin(scene, depsgraph, evaluation=evaluation)
-        return
+    is_traced = scene.haptics.tracing and not playback.play(scene) and _is_ready(scene)
+    if is_traced:
+        live_output.frame_comes(scene)
+    follow = partial(_follow_frame, Moment.of(scene), playback.impacts_of(scene), evaluation)
     try:
-        if scene.haptics.tracing and not playback.play(scene) and _is_ready(scene):
-            live_output.frame_comes(scene)
+        if is_traced and is_shared:
+            session.postpone(scene, follow)
+            _call_soon(_read_postponed)
+        else:
+            follow(scene, depsgraph if is_traced else None)
+    finally:
+        _make_way(_PATIENCE)
+
+
+def _follow_frame(
+    moment: Moment,
+    baked_impacts: str,
+    evaluation: Evaluation | None,
+    scene: Scene,
+    depsgraph: Depsgraph | None,
+) -> None:
+    """Begin to trace a frame, unless ``depsgraph`` is None, and play it on the devices."""
+    try:
+        if depsgraph is not None:
             session.begin(
                 scene,
                 depsgraph,
                 live=True,
                 plays=live_output.is_wanted(scene),
-                baked_impacts=playback.impacts_of(scene),
+                baked_impacts=baked_impacts,
                 evaluation=evaluation,
+                moment=moment,
             )
     finally:
         if live_output.is_wanted(scene):
             live_output.frame_changed(scene, playback.plays(scene))
-        _make_way(_PATIENCE)
+
+
+def _read_postponed() -> None:
+    """Read the frames that Blender has finished since their handlers ran."""
+    if is_loaded(session):
+        session.read_postponed()
 
 
 @persistent
@@ -108,8 +132,13 @@ def file_loaded(*_: Any) -> None:
 
 
 def _trace_soon() -> None:
-    if not bpy.app.background and not bpy.app.timers.is_registered(trace_opened):
-        bpy.app.timers.register(trace_opened, first_interval=0.0)
+    _call_soon(trace_opened)
+
+
+def _call_soon(timer: Callable[[], None]) -> None:
+    """Call a function from Blender's event loop."""
+    if not bpy.app.background and not bpy.app.timers.is_registered(timer):
+        bpy.app.timers.register(timer, first_interval=0.0)
 
 
 def trace_opened() -> None:
@@ -301,8 +330,9 @@ def register() -> None:
 def unregister() -> None:
     """Stop listening, cancel running work, and drop all state."""
     job.stop()
-    if bpy.app.timers.is_registered(trace_opened):
-        bpy.app.timers.unregister(trace_opened)
+    for timer in (trace_opened, _read_postponed):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
     live_output.unregister()
     _HANDLERS.remove()
     file_changed()

@@ -30,21 +30,21 @@ _SAME = 1e-4
 
 
 def known_motion(
-    scene: Scene, since: int, before: Reading, now: Reading, last: KnownMotion | None
+    scene: Scene, since: int, frame: int, before: Reading, now: Reading, last: KnownMotion | None
 ) -> KnownMotion | None:
-    """The motion since the frame of the number ``since``, whose reading is ``before``, of the
+    """The motion from the frame ``since``, whose reading is ``before``, to a ``frame`` of the
     bodies that may strike others, and whose curves tell it; None if there are none. ``last``: the
     one before, because what it tells of has come to rest in between."""
-    if not len(now.bodies) or since >= scene.frame_current:
+    if not len(now.bodies) or since >= frame:
         return None
     known = _numbered(before, now)
     rows = _striking(known, now, _moving(last))
     if not len(rows):
         return None
-    seconds = (scene.frame_current - since) * frame_seconds(scene)
+    seconds = (frame - since) * frame_seconds(scene)
     count = 8 * max(2, int(np.ceil(seconds / _STEP / 8)))
     parts = np.arange(-2, count + 1) / count
-    frames = (since + parts * (scene.frame_current - since)) / stretching(scene)
+    frames = (since + parts * (frame - since)) / stretching(scene)
     curves = _Curves(frames)
     metres = metres_per_unit(scene)
     found = {}

@@ -155,9 +155,13 @@ class SceneReader:
         self._session_ids = None
 
     def recheck_shapes(self) -> None:
+        """Make the next `read` read all objects with shapes, and compare all geometry."""
+        self._authored.update(self._shapes)
+        self.recheck_geometry()
+
+    def recheck_geometry(self) -> None:
         """Make the next `read` compare all geometry with that of the shapes."""
         meshes = (mesh.session_uid for mesh in bpy.data.meshes)
-        self._authored.update(self._shapes)
         self._unchecked.update((*self._shapes, *self._bone_parts, *meshes))
 
     def note(self, evaluation: Evaluation) -> None:
@@ -185,8 +189,9 @@ class SceneReader:
         depsgraph: Depsgraph,
         exact: bool = False,
         evaluation: Evaluation | None = None,
+        frame: int | None = None,
     ) -> Reading:
-        """The scene in its current frame, as ``depsgraph`` has evaluated it.
+        """The scene in a ``frame``, as ``depsgraph`` has evaluated it.
 
         Args:
             scene: the scene.
@@ -195,9 +200,11 @@ class SceneReader:
                 not the next one.
             evaluation: the changes up to now, noted last; None if they may be others. If no other
                 one was noted since the last reading, only these are read.
+            frame: that was evaluated; None for the scene's current one.
         """
-        exact = exact or scene.frame_current - self._frame not in (0, 1)
-        self._exact, self._frame = exact, scene.frame_current
+        frame = scene.frame_current if frame is None else frame
+        exact = exact or frame - self._frame not in (0, 1)
+        self._exact, self._frame = exact, frame
         only = evaluation if self._evaluations == 1 and not exact else None
         # Of one that does not name all, more may follow that is not noted.
         self._evaluations = int(evaluation is None or not evaluation.names_all)
@@ -214,7 +221,7 @@ class SceneReader:
             lists = self._read_changed(scene, depsgraph, exact, only.objects)
         else:
             lists = self._read_changed(scene, depsgraph, exact)
-        now = seconds_of(scene, scene.frame_current)
+        now = seconds_of(scene, frame)
         duration = frame_seconds(scene)
         audible = [
             _with_current_regions(item, row, scene)

@@ -26,18 +26,20 @@ _MOST = 0.9
 """Part of its change from which on that is so."""
 
 
-def set_elsewhere(scene: Scene, since: int, before: Reading, now: Reading) -> frozenset[str]:
-    """Names of the bodies that keys have set elsewhere since the frame of the number ``since``,
-    whose reading is ``before``: those that lie clear of where they were, and of which a curve of
-    their place, or of what they follow, jumps, as by constant interpolation, or where a cycle
-    begins again."""
+def set_elsewhere(
+    scene: Scene, since: int, frame: int, before: Reading, now: Reading
+) -> frozenset[str]:
+    """Names of the bodies that keys have set elsewhere in a ``frame``, read as ``now``, since the
+    frame ``since``, whose reading is ``before``: those that lie clear of where they
+    were, and of which a curve of their place, or of what they follow, jumps, as by constant
+    interpolation, or where a cycle begins again."""
     known = before.transforms
     if before.objects is not now.objects:
         number = {body.name: k for k, body in enumerate(before.bodies)}
         rows = np.array([number.get(body.name, -1) for body in now.bodies], dtype=np.int64)
         known = carried(known.transpose(1, 2, 0), rows, np.nan).transpose(2, 0, 1)
     way = now.transforms[:, :3, 3] - known[:, :3, 3]
-    frames = scene.frame_current - since
+    frames = frame - since
     fast = (way * way).sum(axis=1) > (_SLOW * frames * frame_seconds(scene)) ** 2
     rows = fast.nonzero()[0]
     bodies = [now.bodies[k] for k in rows.tolist()]
@@ -46,7 +48,7 @@ def set_elsewhere(scene: Scene, since: int, before: Reading, now: Reading) -> fr
         [transformed_bounds(bounds, poses[rows]) for poses in (known, now.transforms)], axis=2
     ).transpose(1, 2, 0, 3)
     apart = (low > high[::-1]).any(axis=(0, 2))
-    span = since / stretching(scene), scene.frame_current / stretching(scene)
+    span = since / stretching(scene), frame / stretching(scene)
     return frozenset(
         body.name
         for body in compress(bodies, apart.tolist())

@@ -6,9 +6,11 @@ Blender draws it and evaluates the next one. `result_of` waits for the trace; dr
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from dataclasses import replace
 
+import bpy
 import numpy as np
 from bpy.types import Depsgraph, Scene
 
@@ -20,7 +22,8 @@ from ...core.render.history import History
 from ...core.render.mixdown import with_block
 from ...core.tracer import Frame, Tracer
 from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
-from ..blender.time import frame_seconds, is_playing, seconds_of
+from ..blender.handlers import are_frames_shared
+from ..blender.time import Moment, frame_seconds, is_playing, seconds_of
 from ..changes import revisions
 from ..changes.events import file_changed
 from ..changes.suspension import is_stepped
@@ -28,6 +31,7 @@ from ..scene_reader.digest import motion_of
 from ..scene_reader.evaluation import Evaluation
 from ..scene_reader.kept_impacts import impacts_from_text, text_of_impacts
 from ..scene_reader.known_motion import known_motion
+from ..scene_reader.present import traced_layer
 from ..scene_reader.problem import Problem
 from ..scene_reader.reader import SceneReader
 from ..scene_reader.reading import Reading
@@ -55,6 +59,7 @@ def result_of(scene: Scene) -> FrameResult | None:
     session = known(scene)
     if session is None:
         return None
+    read_postponed()
     _finish(session)
     session.is_asked = True
     if session.result is not None:
@@ -67,6 +72,7 @@ def problems_of(scene: Scene) -> tuple[Problem, ...]:
     session = known(scene)
     if session is None:
         return ()
+    read_postponed()
     _finish(session)
     return sessions.shown_problems(scene)
 
@@ -83,6 +89,20 @@ def show(
     worker.submit(_follow, session)
 
 
+def postpone(scene: Scene, begin: Callable[[Scene, Depsgraph], None]) -> None:
+    """Let ``begin`` read and begin to trace a frame when Blender has finished it: when its result
+    is asked for, by `read_postponed`, or before the next frame."""
+    of(scene).postponed = begin
+
+
+def read_postponed() -> None:
+    """Begin to trace the frames that were postponed."""
+    for scene in bpy.data.scenes:
+        session = known(scene)
+        if session is not None and session.postponed is not None:
+            session.postponed(scene, traced_layer(scene).depsgraph)
+
+
 def recheck_shapes() -> None:
     """Make every scene compare all meshes at its next reading."""
     for session in sessions.every():
@@ -95,6 +115,7 @@ def note(depsgraph: Depsgraph, names_all: bool = False) -> Evaluation:
     evaluation = Evaluation.of(depsgraph, names_all)
     for session in sessions.every():
         session.reader.note(evaluation)
+        session.evaluation = evaluation
     return evaluation
 
 
@@ -110,6 +131,7 @@ def cancel(resume: bool = False) -> None:
     again have no result until then, the others none any more. Thread-safe."""
     give_up(resume)
     for session in sessions.every():
+        session.postponed = None
         if session.is_interrupted or not resume:
             session.begun = session.result = session.shown = session.last = None
 
@@ -218,6 +240,7 @@ def begin(
     plays: bool = False,
     baked_impacts: str = "",
     evaluation: Evaluation | None = None,
+    moment: Moment | None = None,
 ) -> None:
     """Wait for the trace of the last frame, read the current state of the scene, and begin to trace
     it on the worker. The result is None without tagged objects, or if a problem prevents it.
@@ -236,8 +259,13 @@ def begin(
         plays: a device plays the samples.
         baked_impacts: the impacts of the frame in a bake, as a text of `text_of_impacts`.
         evaluation: as of `SceneReader.read`.
+        moment: of the frame; None for the scene's current one.
     """
     session = of(scene)
+    moment = moment or Moment.of(scene)
+    if session.postponed is not None:
+        session.postponed = None
+        session.reader.recheck_geometry()
     session.is_interrupted = False
     _finish(session)
     # A result holds much memory, which is freed on the worker, as that takes long.
@@ -249,12 +277,12 @@ def begin(
             session.tracer.collisions.forget_events()
             session.motion = None
     # From an exact frame on, tracing gives the same bits as from any earlier one.
-    exact = scene.frame_current % EXACT_FRAMES == 0 or (is_stepped(scene) and session.last is None)
+    exact = moment.frame % EXACT_FRAMES == 0 or (is_stepped(scene) and session.last is None)
     started = time.perf_counter()
     reading = (
         None
         if session.reader.is_empty
-        else session.reader.read(scene, depsgraph, exact, evaluation)
+        else session.reader.read(scene, depsgraph, exact, evaluation, moment.frame)
     )
     if reading is None or session.reader.is_empty:
         session.request = session.result = session.last = session.shown = None
@@ -264,22 +292,23 @@ def begin(
     session.tracer.collisions.lazy = live
     session.tracer.collisions.settings = reading.contact_settings
     duration = frame_seconds(scene)
-    whole = scene.frame_subframe == 0
-    continuous = whole and _follows(scene, session.last)
+    continuous = moment.is_whole and _follows(scene, moment.frame, session.last)
     if continuous and session.motion is None:
         session.motion = motion_of(scene)
-    _restore_impacts(scene, session, reading, baked_impacts)
-    restore = whole and not is_stepped(scene) and not is_playing()  # the timeline is paused
+    _restore_impacts(scene, moment.frame, session, reading, baked_impacts)
+    is_paused = not is_stepped(scene) and not is_playing()
+    restore = moment.is_whole and is_paused
     anew, motion = frozenset[str](), None
     if continuous and session.request is not None:
-        interval = scene, session.request.frame.number, session.request.reading, reading
+        before = session.request.frame
+        interval = scene, before.number, moment.frame, session.request.reading, reading
         anew = set_elsewhere(*interval)
-        motion = known_motion(*interval, session.request.frame.motion)
-    session.last = (scene.frame_current, duration) if whole else None
+        motion = known_motion(*interval, before.motion)
+    session.last = (moment.frame, duration) if moment.is_whole else None
     heard = not (live and continuous) or plays or session.is_asked or shows_samples(session)
     session.is_asked = not continuous
     request = TraceRequest(
-        frame_of(scene, reading, continuous, restore, exact, heard, anew, motion),
+        frame_of(scene, reading, continuous, restore, exact, heard, anew, motion, moment.frame),
         reading,
         1000 * (time.perf_counter() - started),
         {
@@ -291,13 +320,22 @@ def begin(
     _submit(session, request, released)
 
 
-def _follows(scene: Scene, last: tuple[int, float] | None) -> bool:
-    """Whether the current frame follows the ``last`` one, see `Session.last`: it is the next one,
+def begin_stepped(scene: Scene) -> None:
+    """Read a frame that was set and begin to trace it, whatever the settings of the preview: after
+    the handlers of all add-ons have changed it, and Blender has evaluated that."""
+    session = of(scene)
+    if are_frames_shared():
+        session.reader.recheck_geometry()
+    begin(scene, traced_layer(scene).depsgraph, evaluation=session.evaluation)
+
+
+def _follows(scene: Scene, frame: int, last: tuple[int, float] | None) -> bool:
+    """Whether a frame follows the ``last`` one, see `Session.last`: it is the next one,
     or soon after it while the timeline plays, because Blender drops frames to keep up."""
     duration = frame_seconds(scene)
     if last is None or last[1] != duration:
         return False
-    step = scene.frame_current - last[0]
+    step = frame - last[0]
     return step == 1 or (1 < step <= _LONGEST_STEP / duration and is_playing())
 
 
@@ -315,18 +353,18 @@ def keep_impacts(scene: Scene) -> None:
         scene.haptics.kept_impacts = text
 
 
-def _restore_impacts(scene: Scene, session: Session, reading: Reading, baked: str) -> None:
+def _restore_impacts(
+    scene: Scene, frame: int, session: Session, reading: Reading, baked: str
+) -> None:
     """Restore the impacts of a frame that were ``baked``, or, at the first trace of a scene, those
     that were stored when it was saved."""
     text = baked or (scene.haptics.kept_impacts if session.request is None else "")
-    if not text or session.tracer.collisions.stored.of(scene.frame_current) is not None:
+    if not text or session.tracer.collisions.stored.of(frame) is not None:
         return
     motion = session.motion or motion_of(scene)
-    kept = impacts_from_text(
-        text, scene.frame_current, [body.name for body in reading.bodies], motion
-    )
+    kept = impacts_from_text(text, frame, [body.name for body in reading.bodies], motion)
     if kept is not None:
-        session.tracer.collisions.restore_events(scene.frame_current, reading.bodies, kept)
+        session.tracer.collisions.restore_events(frame, reading.bodies, kept)
         session.motion = motion
 
 
@@ -388,22 +426,25 @@ def frame_of(
     heard: bool = True,
     anew: frozenset[str] = frozenset(),
     motion: KnownMotion | None = None,
+    number: int | None = None,
 ) -> Frame:
     """The tracer's input for a reading.
 
     Args:
-        scene: in its current frame.
-        reading: of that frame.
+        scene: that was read.
+        reading: of a frame.
         continuous: it follows the frame traced last.
         restore: if it does not follow, it has the impacts stored when it was last traced as one
             that does.
         exact: motions below the tolerance of rest count.
         heard: its samples are rendered.
         anew, motion: as of `Frame`.
+        number: of the frame; None for the scene's current one.
     """
+    number = scene.frame_current if number is None else number
     return Frame(
-        number=scene.frame_current,
-        time=seconds_of(scene, scene.frame_current),
+        number=number,
+        time=seconds_of(scene, number),
         objects=reading.objects,
         sources=reading.sources,
         listeners=reading.listeners,

@@ -8,14 +8,14 @@ every scene.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.types import Scene
+from bpy.types import Depsgraph, Scene
 
 from ...core.frozen import frozen
 from ..scene_reader.problem import Problem
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ...core.render.history import History
     from ...core.scene.values import Settings
     from ...core.tracer import Frame, Tracer
+    from ..scene_reader.evaluation import Evaluation
     from ..scene_reader.reader import SceneReader
     from ..scene_reader.reading import Reading
 
@@ -99,6 +100,8 @@ class Session:
         failure: the cause and other problems of the last frame that could not be traced.
         waited_milliseconds: for the trace of the last frame that was waited for.
         is_asked: a script wanted the last result, or it followed no other: samples are rendered.
+        evaluation: the changes that were noted last.
+        postponed: begins the trace of a frame that handlers of other add-ons may still change.
         version: revision of the authored values that were read last.
         motion: checksum of the causes of the impacts that the tracer stores.
         derived: see `derived.Derived`.
@@ -119,6 +122,8 @@ class Session:
     failure: tuple[Problem, ...] = ()
     waited_milliseconds: float = 0.0
     is_asked: bool = False
+    evaluation: Evaluation | None = None
+    postponed: Callable[[Scene, Depsgraph], None] | None = None
     version: int = -1
     motion: str | None = None
     derived: dict[Any, Any] = field(default_factory=dict)

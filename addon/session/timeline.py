@@ -1,4 +1,4 @@
-"""Plays the timeline frame by frame, with the add-on's own frame handler doing the tracing."""
+"""Plays the timeline frame by frame: each is read after Blender has finished it."""
 
 from __future__ import annotations
 
@@ -96,12 +96,19 @@ def _frames(
                 scene.frame_set(frame)
         session.of(scene).last = None  # independent of earlier traces
         for frame in range(first, end + 1):
-            with stepped(scene):
-                scene.frame_set(frame)
+            set_frame(scene, frame)
             if frame >= start:
                 yield frame
     finally:
         scene.frame_set(before)
+
+
+def set_frame(scene: Scene, frame: int) -> None:
+    """Set a frame, read it after Blender has finished it, and begin to trace it, whatever the
+    settings of the preview."""
+    with stepped(scene):
+        scene.frame_set(frame)
+        session.begin_stepped(scene)
 
 
 def sounding_seconds(scene: Scene) -> float:

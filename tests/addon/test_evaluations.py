@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.scene_reader import reader
 from haptic_tracing.addon.scene_reader.reader import SceneReader
-from haptic_tracing.addon.session import sessions
+from haptic_tracing.addon.session import session, sessions, timeline
+from haptic_tracing.core.contacts.shapes import transformed_bounds
+from mathutils import Matrix
 
 COUNT = 8
 
@@ -160,21 +162,141 @@ def test_random_edits_between_frames(boxes, scene):
         )
 
 
-@pytest.mark.parametrize("is_removed", [False, True])
-def test_what_another_script_moves_after_the_frame_is_seen_in_the_next_one(
-    boxes, scene, is_removed
-):
-    def lift(*_: Any) -> None:
-        boxes[0].location.z = 3.0
+@pytest.fixture
+def handler() -> Any:
+    """Adds handlers of frames, as other add-ons have them, before or after those of this one."""
+    added: list[Callable[..., None]] = []
+    handlers = bpy.app.handlers.frame_change_post
 
-    scene.frame_set(2)
-    bpy.app.handlers.frame_change_post.append(lift)
-    scene.frame_set(3)
-    if is_removed:
-        bpy.app.handlers.frame_change_post.remove(lift)
-    scene.frame_set(4)
-    if not is_removed:
-        bpy.app.handlers.frame_change_post.remove(lift)
-    assert_read_as_afresh(scene, "lifted")
-    now = sessions.known(scene).reading
-    assert now.transforms[[body.name for body in now.bodies].index("box 0"), 2, 3] == 3.0
+    def add(function: Callable[..., None], is_first: bool) -> None:
+        handlers.insert(0 if is_first else len(handlers), function)
+        added.append(function)
+
+    yield add
+    for function in added:
+        handlers.remove(function)
+
+
+def lowest(obj: Any) -> float:
+    """The lowest point of an object as Blender has evaluated it [m]."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = evaluated.to_mesh()
+    return min((evaluated.matrix_world @ vertex.co).z for vertex in mesh.vertices)
+
+
+def raised_mesh(obj: Any) -> Any:
+    mesh = obj.data.copy()
+    mesh.transform(Matrix.Translation((0, 0, 3)))
+    mesh.use_fake_user = obj.data.use_fake_user = True
+    return mesh
+
+
+def move(obj: Any) -> Callable[[bool], None]:
+    return lambda is_up: setattr(obj.location, "z", 3.0 if is_up else 0.0)
+
+
+def swap_mesh(obj: Any) -> Callable[[bool], None]:
+    meshes = obj.data.name, raised_mesh(obj).name
+    return lambda is_up: setattr(obj, "data", bpy.data.meshes[meshes[is_up]])
+
+
+def set_vertices(obj: Any) -> Callable[[bool], None]:
+    places = np.array([vertex.co[:] for vertex in obj.data.vertices], dtype=np.float32)
+
+    def apply(is_up: bool) -> None:
+        obj.data.vertices.foreach_set(
+            "co", (places + np.array([0, 0, 3 * is_up])).astype(np.float32).ravel()
+        )
+        obj.data.update()
+
+    return apply
+
+
+def shape_key(obj: Any) -> Callable[[bool], None]:
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="up")
+    for point in key.data:
+        point.co.z += 3
+    return lambda is_up: setattr(key, "value", float(is_up))
+
+
+def modifier(obj: Any) -> Callable[[bool], None]:
+    displace = obj.modifiers.new("Displace", "DISPLACE")
+    displace.direction, displace.strength, displace.mid_level = "Z", 0, 0
+    return lambda is_up: setattr(displace, "strength", 3.0 * is_up)
+
+
+def constraint(obj: Any) -> Callable[[bool], None]:
+    limit = obj.constraints.new("LIMIT_LOCATION")
+    limit.use_min_z, limit.min_z = True, 0.0
+    return lambda is_up: setattr(limit, "min_z", 3.0 * is_up)
+
+
+def parent(obj: Any) -> Callable[[bool], None]:
+    above = bpy.data.objects.new("above", None)
+    bpy.context.scene.collection.objects.link(above)
+    obj.parent = above
+    return lambda is_up: setattr(above.location, "z", 3.0 * is_up)
+
+
+def custom_property(obj: Any) -> Callable[[bool], None]:
+    obj["height"] = 0.0
+    driver = obj.driver_add("location", 2).driver
+    variable = driver.variables.new()
+    variable.targets[0].id, variable.targets[0].data_path = obj, '["height"]'
+    driver.expression = variable.name
+    return lambda is_up: (obj.__setitem__("height", 3.0 * is_up), obj.update_tag())
+
+
+@pytest.mark.parametrize("is_first", [False, True], ids=["after", "before"])
+@pytest.mark.parametrize(
+    "change",
+    [move, swap_mesh, set_vertices, shape_key, modifier, constraint, parent, custom_property],
+)
+def test_what_other_handlers_change_is_traced_in_that_frame(
+    boxes, scene, handler, change, is_first
+):
+    """By scripts that ask, by exports, and where nobody asked of the frame before."""
+    box = boxes[0]
+    apply = change(box)
+    handler(lambda *_: apply(bpy.context.scene.frame_current % 2 == 0), is_first)
+    stepped = {step.result.number: step.result for step in timeline.steps(scene, 3, 8)}
+    for frame in range(3, 9):
+        scene.frame_set(frame)
+        result = session.result_of(scene)
+        known = sessions.known(scene).reading
+        row = [body.name for body in known.bodies].index(box.name)
+        shape = known.bodies[row].shape
+        ((low, _),) = transformed_bounds(np.array([shape.local_bounds]), known.transforms[[row]])
+        assert low[2] == pytest.approx(lowest(box), abs=1e-5)
+        touching = {
+            frozenset((result.objects[a], result.objects[b])) for a, b in result.contacts.pairs
+        }
+        assert (frozenset((box.name, "plank")) in touching) == (frame % 2 == 1)
+        np.testing.assert_array_equal(result.gains, stepped[frame].gains)
+    for frame in (9, 10, 11):  # nobody asks
+        scene.frame_set(frame)
+    request = sessions.known(scene).request
+    assert request.frame.number == 10  # read before the next one
+    row = [body.name for body in request.reading.bodies].index(box.name)
+    shape = request.reading.bodies[row].shape
+    poses = request.reading.transforms[[row]]
+    ((low, _),) = transformed_bounds(np.array([shape.local_bounds]), poses)
+    assert low[2] > 1.0
+    session.result_of(scene)
+    assert_read_as_afresh(scene, "the last frame, when its result is asked for")
+
+
+@pytest.mark.parametrize("is_first", [False, True], ids=["after", "before"])
+def test_what_other_handlers_hide_or_edit_is_traced_in_that_frame(boxes, scene, handler, is_first):
+    def hide(*_: Any) -> None:
+        boxes[0].hide_viewport = scene.frame_current % 2 == 0
+        boxes[1].haptics.kappa = 0.5 if scene.frame_current % 2 else 0.25
+
+    handler(hide, is_first)
+    for frame in range(3, 8):
+        scene.frame_set(frame)
+        result = session.result_of(scene)
+        assert (boxes[0].name in result.objects) == (frame % 2 == 1)
+        objects = {item.name: item for item in sessions.known(scene).reading.objects}
+        assert objects[boxes[1].name].kappa == (0.5 if frame % 2 else 0.25)

@@ -3,8 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from haptic_tracing.addon.changes.suspension import stepped
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.session import session, timeline
 
 RATE = 8000
 
@@ -23,10 +22,9 @@ def overloaded(scene, add_box):
 def harmonics(scene):
     """The amplitudes of the multiples of 100 Hz by that of 100 Hz, in frames 25 to 48."""
     blocks = []
-    with stepped(scene):
-        for frame in range(1, 50):
-            scene.frame_set(frame)
-            blocks.append(session.result_of(scene).block)
+    for frame in range(1, 50):
+        timeline.set_frame(scene, frame)
+        blocks.append(session.result_of(scene).block)
     samples = np.concatenate([block[0] for block in blocks if block is not None])[-RATE:]
     spectrum = np.abs(np.fft.rfft(samples))
     return spectrum[200::100] / spectrum[100]

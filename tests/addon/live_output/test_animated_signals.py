@@ -5,8 +5,7 @@ import bpy
 import numpy as np
 import pytest
 import scipy.signal
-from haptic_tracing.addon.changes.suspension import stepped
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.session import session, timeline
 
 
 @pytest.fixture
@@ -21,12 +20,11 @@ def hum(scene, add_box):
 
 def rendered(scene):
     blocks = []
-    with stepped(scene):
-        for frame in range(1, 50):
-            scene.frame_set(frame)
-            block = session.result_of(scene).block
-            if block is not None:
-                blocks.append(block[0])
+    for frame in range(1, 50):
+        timeline.set_frame(scene, frame)
+        block = session.result_of(scene).block
+        if block is not None:
+            blocks.append(block[0])
     return np.concatenate(blocks)
 
 

@@ -18,9 +18,8 @@ import bpy
 import haptic_tracing
 import numpy as np
 from guard_in_thread import GuardInThread
-from haptic_tracing.addon.changes.suspension import stepped
 from haptic_tracing.addon.live_output import handlers, outputs, player
-from haptic_tracing.addon.session import session
+from haptic_tracing.addon.session import session, timeline
 from haptic_tracing.core.devices import guard, writer
 from haptic_tracing.core.devices.connection import hid_module
 from haptic_tracing.sample_scenes import build_sample
@@ -126,10 +125,9 @@ def main():
     start, count = scene.frame_start, round(SECONDS * scene.render.fps / scene.render.fps_base)
 
     blocks = {}
-    with stepped(scene):
-        for frame in range(start, start + count + 1):
-            scene.frame_set(frame)
-            blocks[frame] = session.result_of(scene).block
+    for frame in range(start, start + count + 1):
+        timeline.set_frame(scene, frame)
+        blocks[frame] = session.result_of(scene).block
     result = session.result_of(scene)
 
     scene.frame_set(start)
