@@ -1,7 +1,7 @@
 """The ten listeners of three samples with the paper's function, with measured materials, and with
 these and contacts by impedance; and the twelve of a new body, measured and felt all over.
 
-``python -m haptic_tracing.study.physical_scenes`` prints the tables of `docs/functions.md`.
+``python -m haptic_tracing.study.physical_scenes`` prints the tables of `docs/physical.md`.
 """
 
 from __future__ import annotations

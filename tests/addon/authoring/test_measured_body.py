@@ -21,7 +21,7 @@ CLEARLY = 6.0
 """Decibels above the threshold of feeling that *Make It Felt* aims at."""
 LOSS = 20 / np.log(10) * MATERIALS["flesh"].absorption
 """Decibels per metre of flesh that is felt all over."""
-DOCUMENTATION = Path(__file__).parents[3] / "docs" / "functions.md"
+DOCUMENTATION = Path(__file__).parents[3] / "docs" / "physical.md"
 
 
 @pytest.fixture
