@@ -73,7 +73,8 @@ def _add_ground(scene: Scene) -> Object:
     ground = place(scene, "Ground", joined([slab, gravel]), materials)
     make_static(scene, ground, SOIL, "BOX")
     ground.haptics.wave_speed = SPEED_IN_SOIL
-    bind(scene, SOIL)  # the track's bed holds the rails
+    for substance in (SOIL, STEEL):  # the track's bed holds the sleepers, and these the rails
+        bind(scene, substance)
     return ground
 
 

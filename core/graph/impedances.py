@@ -16,9 +16,9 @@ people have an apparent mass that falls by half from octave to octave above 5 Hz
 some 100 N s/m (ISO 10068).
 
 A small body moves with what stands behind it: as what drives another body it has the impedance of
-the strongest body at one of its other contacts, in series with its own stiffness ``omega Z l^2 /
-d^2`` at the distance d beside its middle, of a plate ``64 B / d^2`` (Timoshenko: 16 pi B / d^2 in
-the middle of a clamped plate of radius d). Along the normal of a contact bodies are rigid.
+the strongest body at one of its other contacts, in series with its own stiffness ``64 B / d^2 =
+omega^2 m'' l^4 / d^2`` at the distance d beside its middle (Timoshenko: 16 pi B / d^2 in the middle
+of a clamped plate of radius d). Along the normal of a contact bodies are rigid.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ class Bodies:
     Attributes:
         known: (n,) whether the object has an impedance: is no medium, and of measured material.
         impedance: [N s/m], of springs their stiffness over omega, infinite if unknown.
-        reach: l [m]; 0 where nothing is carried: in half-spaces, limbs, and unknown bodies.
+        bending: 64 B over omega [N s m]; 0 where nothing is carried: in half-spaces, limbs, and
+            unknown bodies.
         half_space: (3, n) radius^2 [m^2], and per metre and square metre the spring [N/m^2] and
             the damper [N s/m^3] of half-spaces; 0 for other bodies.
         spring: (2, n) stiffness [N/m], infinite if it is none, and loss factor.
@@ -63,7 +64,7 @@ class Bodies:
 
     known: BoolArray
     impedance: FloatArray
-    reach: FloatArray
+    bending: FloatArray
     half_space: FloatArray
     spring: FloatArray
 
@@ -100,7 +101,7 @@ class Bodies:
         return cls(
             known,
             np.where(known[:, None], impedance, math.inf),
-            np.where(carries[:, None], reach, 0.0),
+            np.where(carries[:, None], OMEGA * density[:, None] * sizes[:, 2:] * reach**4, 0.0),
             np.where(
                 ground,
                 [
@@ -197,9 +198,7 @@ def _carried(
     away = contacts.positions.transpose(1, 0, 2).reshape(-1, 3) - frames.centre.take(body, axis=0)
     along = (away * np.tile(contacts.normal, (2, 1))).sum(axis=1)
     aside = np.maximum((away**2).sum(axis=1) - along**2, _LEAST**2)[:, None]
-    reach = bodies.reach.take(body, axis=0)
-    with np.errstate(invalid="ignore"):  # of what is unknown, or has no shape
-        half = np.nan_to_num(own * reach**2 / aside, nan=0.0, posinf=math.inf)
+    half = np.nan_to_num(bodies.bending.take(body, axis=0) / aside, nan=0.0)
     spring = bodies.spring[0].take(body)
     soft = np.flatnonzero(spring < math.inf)
     half[soft] = 2 * spring[soft, None] / OMEGA

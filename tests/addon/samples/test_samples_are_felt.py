@@ -116,12 +116,13 @@ def test_as_in_the_paper_is_one_switch_there_and_back(build, name):
     scene = build(name, count)
     assert scene.haptics.strategy == "best_path"
     _, frame = PARTS[name][0]
-    found = []
+    found, is_cut = [], None
     for strategy in ("best_path", "as_in_the_paper", "best_path"):
         scene.haptics.strategy = strategy
         scene.frame_set(frame)
         result = session.result_of(scene)
         found.append((result.propagation.strategy, result.propagation.gain))
+        is_cut = result.propagation.limited if strategy == "as_in_the_paper" else is_cut
     (default, gains), (paper, sums), back = found
     assert set(default) <= {"best_path"}
     assert paper == tuple(
@@ -130,7 +131,7 @@ def test_as_in_the_paper_is_one_switch_there_and_back(build, name):
     )
     assert back[0] == default and (back[1] == gains).all()
     # A sum over all paths of at least a thousandth has the best one in it, unless that is long.
-    assert (sums >= gains * (1 - 1e-12))[gains >= 1e-3].all()
+    assert (sums >= gains * (1 - 1e-12))[(gains >= 1e-3) & ~is_cut].all()
 
 
 def test_every_sample_is_about_somebody():

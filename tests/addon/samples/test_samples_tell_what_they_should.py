@@ -94,9 +94,9 @@ def test_dishwasher_is_felt_through_the_cupboards_and_not_its_rubber_feet(build,
 def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form_says(
     build, results, gain_along
 ):
-    """In every band. Without rails it is 12 dB less, as the definition says of soil as measured: 22
-    m of it spread a wave by 17 dB and damp it by 5 (at 28 Hz) to 21 (at 113), twice 2 m by 14 and 1
-    to 4, and the rails between do neither."""
+    """In every band. Without rails it is 7 dB less at 28 Hz, as the definition says of soil as
+    measured: 22 m of it spread a wave by 17 dB and damp it by 5, twice 2 m by 14 and 1, and the
+    rails between do neither."""
     scene = build("rails")
     *_, result = results(scene, 1, 1)
 
@@ -109,7 +109,7 @@ def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form
             assert in_bands[0] == pytest.approx(closed[0], rel=RELATIVE)
             # In higher bands the bench is lighter than a person, which takes some of it.
             assert (20 * np.log10(in_bands / closed) < BANDS_LEFT_OUT).all()
-            yield item.name, path, result.amplitudes[0, k]
+            yield item.name, path, in_bands[0]
 
     with_rails = {}
     for name, path, amplitude in check(result, 2):
@@ -122,7 +122,7 @@ def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form
     )
     *_, result = results(scene, 2, 2)
     for name, _, amplitude in check(result, 1):
-        assert 20 * np.log10(amplitude / with_rails[name]) == pytest.approx(-12.0, abs=0.3)
+        assert 20 * np.log10(amplitude / with_rails[name]) == pytest.approx(-7.0, abs=0.5)
 
 
 @pytest.mark.slow
