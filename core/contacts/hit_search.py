@@ -13,7 +13,7 @@ from .body_table import BodyTable
 from .candidates import DISTANCE, NORMAL, ON_LARGER, Candidates, placed
 from .impacts import Hits, confirmed, landings
 from .motion import Paths
-from .narrow.frames import relative_pose, turned, turned_back
+from .narrow.frames import dot, relative_pose, turned, turned_back
 from .near_pairs import NearPairs
 from .settings import ContactSettings
 from .time_of_impact import Meetings
@@ -104,11 +104,24 @@ class HitSearch:
             search = self.table.time_of_impact
             pairs = self.table.numbers(arrived)
             expected = search.final_distances(self.paths, pairs)
-            pulled = pairs[expected > 2 * PRESSING_DISTANCE]
+            pulled = pairs[
+                (expected > 2 * PRESSING_DISTANCE) & self._carried(hits.pairs)[pairs].any(axis=1)
+            ]
             if len(pulled):
                 meetings = search.meetings(self.paths.through_ends(), pulled)
                 hits = hits.joined(search.hits_at(meetings).approaching())
         return hits
+
+    def _carried(self, struck: IntArray) -> BoolArray:
+        """Which bodies (n,) something else than their own motion may have carried to where they
+        are: dynamic ones, but not one that lay still, and that none of the pairs ``struck`` (k, 2)
+        has hit, and now is farther away than it can have fallen."""
+        paths, dynamic = self.paths, self.table.dynamic
+        still = (np.abs(paths.start - paths.earlier) <= self.table.rest_limits).all(axis=0)
+        still[struck] = False
+        way = paths.end[9:] - paths.start[9:]
+        fall = np.linalg.norm(self.settings.gravity) * self.settings.time_scale**2
+        return dynamic & ~(still & (dot(way, way) > (fall * paths.duration**2) ** 2))
 
     def landings(self, pairs: Candidates, rows: IntArray, last: FloatArray) -> Hits:
         """Hits of the pairs ``rows``, which touch in both frames, by a part that was away from the

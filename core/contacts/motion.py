@@ -34,8 +34,18 @@ _STOPPED, _STEADY = 0.1, 0.02
 """Parts of its speed by which a kinematic body is slower than if it had gone on as before, from
 which on it was stopped within the last interval, and by which it may have braked before."""
 
+HITCH, PAUSE = 0.1 - 1e-9, 0.25 + 1e-9
+"""Durations of an interval [s] from which on bodies count as moving straight through it, and beyond
+which nothing strikes: all begins anew."""
+
+_JUMP = 1e-3
+"""Part of the speed in one interval up to which a kinematic body rests in those beside it, if it
+was set elsewhere rather than moved."""
+
 _DEVIATION = 0.001
 """Metres of deviation from the extrapolated path above which a body counts as disturbed."""
+_TURN = 3e-3
+"""Angle [rad] up to which a body turns on as before."""
 _CHANGE = 1.0
 """The same where an interval is longer than 1/22 s: a change of acceleration [m/s^2], as that of a
 body whose fall is damped."""
@@ -248,16 +258,20 @@ class MotionHistory:
 
     def deviated(self, paths: Paths) -> BoolArray:
         """Which moving bodies (n,) are neither at the ends of their ``paths`` nor where these would
-        end without acceleration, and do not just turn in their places."""
+        end without acceleration, and don't move and turn on as before."""
         t = paths.duration
         travel = paths.end[9:] - paths.start[9:]
         chord = (paths.start[9:] - paths.earlier[9:]) / paths.earlier_duration
         straight = travel - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
         limit = max(_DEVIATION, _CHANGE / 2 * t * t)
-        held = _squared(travel) + _squared(chord * t) <= _DEVIATION**2  # as by an axle
+        turn = spins(paths.start, paths.end, t)
+        turn -= spins(paths.earlier, paths.start, paths.earlier_duration)
+        on = (_squared(travel - chord * t) <= (_CHANGE / 2 * t * t) ** 2) & (
+            _squared(turn) * t * t <= _TURN**2
+        )
         ways = np.minimum(_squared(straight), _squared(bent))
-        return self.moving() & (ways > limit**2) & ~held
+        return self.moving() & (ways > limit**2) & ~on
 
     def _stopped(self, rows: IntArray) -> BoolArray:
         """Which bodies ``rows`` (k,), of four poses, were stopped in the last interval: they moved
@@ -275,6 +289,26 @@ class MotionHistory:
                 & (last - before >= -_STEADY * last)
             )
         return found
+
+    def _straight(self, step: float, known: float) -> Paths:
+        """Paths at constant speed from pose to pose, through an interval of ``step`` seconds, after
+        one of ``known``."""
+        earlier, start, end = self._poses[-3:]
+        moving = self.moving()
+        none = np.zeros((3, len(moving)))
+        return Paths(
+            step,
+            start,
+            np.where(moving, _travels(start, end, step), 0.0),
+            none,
+            np.where(moving, spins(start, end, step), 0.0),
+            end,
+            np.ones_like(moving),
+            np.zeros_like(moving),
+            earlier,
+            known,
+            np.array([none, none]),
+        )
 
     def paths(self, kinematic: BoolArray, airborne: BoolArray, gravity: FloatArray) -> Paths | None:
         """Paths from the last frame but one to the last. None before there are three poses.
@@ -296,6 +330,8 @@ class MotionHistory:
         now = end[9:]
         last = start[9:]
         before = earlier[9:]
+        if step >= HITCH:
+            return self._straight(step, known)
         weight = float(np.linalg.norm(gravity))
         chord = (last - before) / known
         direct = (now - last) / step
@@ -349,13 +385,23 @@ class MotionHistory:
             4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord))
         )
         moving = self.moving()
+        turning = spins(start, end, step)
         if older:
+            first = (before - self._poses[-4][9:]) / older[0]
+            moving &= ~(kinematic & _jumps(first, chord, direct))
             rows = (smooth & moving).nonzero()[0]
             smooth[rows] = ~self._stopped(rows)
+            rests = kinematic & _comes_to_rest(first, chord, direct)
+            curved = np.where(rests, -2 * direct / step, curved)
+            rests_turning = kinematic & _comes_to_rest(
+                spins(self._poses[-4], earlier, older[0]), spins(earlier, start, known), turning
+            )
+            turning = np.where(rests_turning, 0.0, turning)
+            smooth |= rests | rests_turning
         given = smooth | (~kinematic & (clean < 1))
         acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
-        spin = np.where(given, spins(start, end, step), before_spin)
+        spin = np.where(given, turning, before_spin)
         turned = kinematic & ~smooth & (clean < 1)
         return Paths(
             step,
@@ -370,6 +416,21 @@ class MotionHistory:
             known,
             trend,
         )
+
+
+def _jumps(first: FloatArray, chord: FloatArray, direct: FloatArray) -> BoolArray:
+    """Which bodies (n,) moved in the second of three intervals alone, by their velocities (3, n)
+    there."""
+    least = _JUMP**2 * _squared(chord)
+    return (least > 0) & (_squared(first) <= least) & (_squared(direct) <= least)
+
+
+def _comes_to_rest(first: FloatArray, chord: FloatArray, direct: FloatArray) -> BoolArray:
+    """Which bodies (n,) brake through three intervals, by their velocities (3, n) there, and have
+    no more speed left in the end than they lose in half of the last one."""
+    one, two, three = (np.sqrt(_squared(velocity)) for velocity in (first, chord, direct))
+    brakes = (two < (1 - _STEADY) * one) & (three < (1 - _STEADY) * two)
+    return brakes & (three <= 2 * (two - three))
 
 
 def _travels(start: FloatArray, end: FloatArray, time: float) -> FloatArray:

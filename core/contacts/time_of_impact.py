@@ -155,7 +155,9 @@ class TimeOfImpact:
                 start[slow], expected[rows[slow]]
             )
         if len(fast):
-            after[rows[fast]] = moving.chosen(rows[fast]).touch_by_advancement(self._radius)
+            found = moving.chosen(rows[fast]).touch_by_advancement(self._radius)
+            at_end = np.where(expected[rows[fast]] <= _TOUCH, duration, np.inf)
+            after[rows[fast]] = np.minimum(found, at_end)
         return expected, after
 
     def _touches_of_meshes(

@@ -14,12 +14,12 @@ from ..message import Cause, Message
 from .body_poses import BodyPoses
 from .body_table import STILL as STILL
 from .body_table import BodyTable
-from .candidates import Candidates
+from .candidates import DISTANCE, Candidates
 from .contact_set import ContactSet
 from .hit_search import PRESSING_DISTANCE, HitSearch
 from .impacts import Hits, Impact
 from .known_motion import KnownHits, KnownMotion, Samples
-from .motion import MotionHistory
+from .motion import PAUSE, MotionHistory
 from .narrow.body_patches import PairPatches
 from .narrow.frames import relative_pose, turned, turned_back, upwards
 from .near_pairs import NearPairs
@@ -238,7 +238,8 @@ class ContactTracker:
                 f"transforms: expected {len(self.bodies)} matrices of 4 x 4, got an array of "
                 f"shape {transforms.shape}"
             )
-        if not continuous or (self._history.times and time <= self._history.times[-1]):
+        since = time - self._history.times[-1] if self._history.times else 0.0
+        if not continuous or (self._history.times and not 0 < since <= PAUSE):
             self.reset()
         self._queries = 0
         self._begun = perf_counter()
@@ -448,6 +449,9 @@ class ContactTracker:
         hits = search.confirmed(met, arrived[among(arrived, self._near.key[free])])
         self._recent.expire(self._history.times[-1], search.paths.duration)
         pivoting = before & now & among(pairs.key, search.keys)
+        # What was still apart has struck with another part first.
+        first = np.sort(self._table.keys(hits.pairs))
+        pivoting &= ~among(pairs.key, first) | (last[DISTANCE] <= PRESSING_DISTANCE)
         landed = search.landings(pairs, pivoting.nonzero()[0], last)
         there = np.sort(self._table.keys(landed.pairs))
         return hits.chosen(~among(self._table.keys(hits.pairs), there)).joined(landed)

@@ -1,4 +1,4 @@
-"""Blows of bodies whose motion between frames is known, against closed forms."""
+"""Blows of bodies whose motion between frames is known, or not, against closed forms."""
 
 from __future__ import annotations
 
@@ -79,3 +79,31 @@ def test_blows_come_where_and_as_fast_as_the_motion_touches(name, rate):
             assert blow.time == pytest.approx(begin + part * LAST, abs=0.0005)
             truth = MASS / 2 * (HEIGHT / LAST * speed) ** 2
             assert blow.energy == pytest.approx(truth, rel=0.02)
+
+
+@pytest.mark.parametrize("name", ["smooth step", "sine out", "cubic out", "a jump"])
+@pytest.mark.parametrize("rate", [24, 25, 30, 60])
+def test_what_brakes_to_rest_strikes_nothing_where_no_curve_is_known(name, rate):
+    """Three poses tell that it comes to rest."""
+    for phase in range(8):
+        found = blows(WAYS[name][0], rate, (10 + phase / 8) / rate, known=False)
+        assert all(blow.energy <= 0.5 for blow in found)
+
+
+@pytest.mark.parametrize(
+    ("gap", "speed"), [(0.1, 5.0), (0.2, 5.0), (0.25, 4.0), (0.26, None), (0.5, None)]
+)
+def test_over_a_gap_a_blow_has_the_mean_speed(gap, speed):
+    """Gravity adds nothing to it; after more than a quarter of a second nothing strikes."""
+    floor = Body("floor", Box((20, 20, 1)), motion="static")
+    box = Body("box", Box((0.4, 0.4, 0.4)), MASS)
+    tracker = ContactTracker([floor, box], ContactSettings())
+    way = (speed or 5.0) * gap
+    found, time = [], 0.0
+    for step, height in [(0.02, way)] * 5 + [(gap, 0.0)] + [(0.02, 0.0)] * 5:
+        time += step
+        places = np.tile(np.eye(4), (2, 1, 1))
+        places[:, 2, 3] = -0.5, 0.2 + height
+        found += tracker.update(time, places).impacts
+    expected = [] if speed is None else [MASS / 2 * speed**2]
+    assert [blow.energy for blow in found] == pytest.approx(expected, rel=1e-3)
