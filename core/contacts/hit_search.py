@@ -12,7 +12,7 @@ from .body_poses import BodyPoses
 from .body_table import BodyTable
 from .candidates import DISTANCE, NORMAL, ON_LARGER, Candidates, placed
 from .impacts import Hits, confirmed, landings
-from .motion import Paths
+from .motion import HITCH, Paths
 from .narrow.frames import dot, relative_pose, turned, turned_back
 from .near_pairs import NearPairs
 from .settings import ContactSettings
@@ -103,6 +103,9 @@ class HitSearch:
         if len(arrived):
             search = self.table.time_of_impact
             pairs = self.table.numbers(arrived)
+            if self.paths.duration >= HITCH:  # they touch in the end, whatever happened before
+                after = np.full(len(pairs), self.paths.duration)
+                return hits.joined(search.hits_after(self.paths, pairs, after).approaching())
             expected = search.final_distances(self.paths, pairs)
             pulled = pairs[
                 (expected > 2 * PRESSING_DISTANCE) & self._carried(hits.pairs)[pairs].any(axis=1)
@@ -117,11 +120,12 @@ class HitSearch:
         are: dynamic ones, but not one that lay still, and that none of the pairs ``struck`` (k, 2)
         has hit, and now is farther away than it can have fallen."""
         paths, dynamic = self.paths, self.table.dynamic
-        still = (np.abs(paths.start - paths.earlier) <= self.table.rest_limits).all(axis=0)
-        still[struck] = False
+        still = np.all(np.abs(paths.start - paths.earlier) <= self.table.rest_limits, axis=0)
+        still &= ~np.isin(np.arange(len(dynamic)), struck)
         way = paths.end[9:] - paths.start[9:]
         fall = np.linalg.norm(self.settings.gravity) * self.settings.time_scale**2
-        return dynamic & ~(still & (dot(way, way) > (fall * paths.duration**2) ** 2))
+        far = dot(way, way) > (fall * paths.duration**2) ** 2
+        return np.asarray(dynamic & ~(still & far))
 
     def landings(self, pairs: Candidates, rows: IntArray, last: FloatArray) -> Hits:
         """Hits of the pairs ``rows``, which touch in both frames, by a part that was away from the

@@ -144,8 +144,16 @@ class KnownHits:
     def hits(self) -> Hits:
         """The hits of these pairs, each time that they have been apart."""
         found = Hits.none()
-        for pair in self._search.table.numbers(self.keys):
-            for sample, after in touches(self._distances(pair), self._step):
+        table, tolerance = self._search.table, self._search.settings.tolerance
+        for pair in table.numbers(self.keys):
+            distances = self._distances(pair)
+            least = distances[2:].min()
+            # What stops, or turns back, within the tolerance has touched there.
+            ends = distances[2:-1].min() <= least + _TOUCH
+            short = ends and _APART < least <= table.tolerance(pair[:1], pair[1:], tolerance)[0]
+            if short:
+                distances = distances - least
+            for sample, after in touches(distances, self._step, short):
                 found = found.joined(self._hit(pair, sample, after))
         return found.approaching()
 
@@ -210,12 +218,15 @@ class KnownHits:
         return np.asarray(hits.normal[k] @ (places[1] - places[0]))
 
 
-def touches(distances: FloatArray, step: float) -> list[tuple[int, float]]:
+def touches(
+    distances: FloatArray, step: float, apart_before: bool = False
+) -> list[tuple[int, float]]:
     """When bodies begin to touch that have been apart, by their signed ``distances`` (k,) [m] at
     samples every ``step`` seconds, from the third on: the sample before, and the seconds from it.
-    Between two samples they go on as before; so what bounces back within a step is found, too."""
+    Between two samples they go on as before; so what bounces back within a step is found, too.
+    ``apart_before``: they may touch from the third sample on, if they were apart at the first."""
     found: list[tuple[int, float]] = []
-    apart = False
+    apart = apart_before and bool(distances[0] > _APART)
     for k in range(2, len(distances) - 1):
         now, then = distances[k], distances[k + 1]
         apart = apart or now > _APART

@@ -19,7 +19,7 @@ from .contact_set import ContactSet
 from .hit_search import PRESSING_DISTANCE, HitSearch
 from .impacts import Hits, Impact
 from .known_motion import KnownHits, KnownMotion, Samples
-from .motion import PAUSE, MotionHistory
+from .motion import HITCH, PAUSE, MotionHistory
 from .narrow.body_patches import PairPatches
 from .narrow.frames import relative_pose, turned, turned_back, upwards
 from .near_pairs import NearPairs
@@ -445,7 +445,8 @@ class ContactTracker:
         """
         pairs = self._pairs
         now = pairs.touching & queried
-        arrived = pairs.key[now & ~before & (pairs.distance <= PRESSING_DISTANCE)]
+        hitch = search.paths.duration >= HITCH
+        arrived = pairs.key[now & ~before & (hitch | (pairs.distance <= PRESSING_DISTANCE))]
         hits = search.confirmed(met, arrived[among(arrived, self._near.key[free])])
         self._recent.expire(self._history.times[-1], search.paths.duration)
         pivoting = before & now & among(pairs.key, search.keys)

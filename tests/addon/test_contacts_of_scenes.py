@@ -283,7 +283,9 @@ def test_a_body_that_keys_set_elsewhere_without_a_motion_makes_no_blow(
     assert [[result.objects[k] for k in pair] for pair in result.contacts.pairs] == [
         ["crate", "floor"]
     ]
-    assert [frame for frame, _ in blows] == ([10] if interpolation == "LINEAR" else [])
+    # Of a constraint no curve tells that it moves the crate there, within a frame, from rest.
+    moves = interpolation == "LINEAR" and how is not _by_a_constraint
+    assert [frame for frame, _ in blows] == ([10] if moves else [])
 
 
 @pytest.mark.parametrize(("begin", "end", "frames"), [(3.2, 0.5, [10, 19, 28]), (0.5, 3.2, [])])
@@ -332,7 +334,8 @@ def test_jumps_rate_changes_and_subframes_make_no_impacts(drop, scene):
 @pytest.mark.parametrize("step", [2, 3, 4, 5])
 @pytest.mark.parametrize("damping", [0.0, 0.04])
 def test_dropped_frames_of_playback_lose_no_blow(drop, scene, monkeypatch, step, damping):
-    """With *Frame Dropping* or *Sync to Audio* the fall ends with the same blow."""
+    """With *Frame Dropping* or *Sync to Audio* the fall ends with the same blow; after more than a
+    tenth of a second with one of the mean speed, which is less."""
     drop.rigid_body.linear_damping = damping
     monkeypatch.setattr(session, "is_playing", lambda: True)
     ((_, whole),) = played(scene, range(1, 31))
@@ -340,8 +343,10 @@ def test_dropped_frames_of_playback_lose_no_blow(drop, scene, monkeypatch, step,
         (frame, blow), *others = played(scene, range(first, 31, step))
         assert all(bounce.energy < 0.05 * whole.energy for _, bounce in others)
         assert frame - step < 1 + 24 * whole.time <= frame
-        assert blow.time == pytest.approx(whole.time, abs=0.002)
-        assert blow.energy == pytest.approx(whole.energy, rel=0.02)
+        if step == 2:
+            assert blow.time == pytest.approx(whole.time, abs=0.002)
+            assert blow.energy == pytest.approx(whole.energy, rel=0.02)
+        assert blow.energy <= 1.02 * whole.energy
     scene.frame_set(1)
     assert played(scene, [20]) == []  # too long a gap to say what happened in it
 
