@@ -80,7 +80,7 @@ def _baked(scene: Scene, origin: Origin, number: int, start: int, progress: str 
         start: first frame that is traced, before the part itself.
         progress: how progress is shown.
     """
-    first, last = origin.range_of(number)
+    first, last = origin.traced(number)
     before, heard, rate = "", [], 0.0
     provenance: Form | None = None
     own = session.of(scene)

@@ -63,6 +63,12 @@ class Origin:
         count = last - first + 1
         return first + count * (number - 1) // self.parts, first + count * number // self.parts - 1
 
+    def traced(self, number: int) -> tuple[int, int]:
+        """First and last frame of a part that are kept: the last part also has the frame after the
+        range, with which its samples end."""
+        first, last = self.range_of(number)
+        return first, last + (number == self.parts)
+
     def title(self, number: int) -> str:
         """Description of a part."""
         first, last = self.range_of(number)
@@ -257,7 +263,7 @@ def _part(header: Form, arrays: Mapping[str, NDArray[Any]]) -> Part:
     ]
     _check(header, origin, arrays)
     number = int(header["number"])
-    first, last = origin.range_of(number)
+    first, last = origin.traced(number)
     more = len(arrays["time"]) - (last - first + 1)
     counts = arrays["counts"]
     rows = np.cumsum([0, *counts])
@@ -305,7 +311,7 @@ def _check(header: Form, origin: Origin, arrays: Mapping[str, NDArray[Any]]) -> 
             ("header", "number"),
             "is not the number of one of the parts, each of at least one frame",
         )
-    begin, end = origin.range_of(header["number"])
+    begin, end = origin.traced(header["number"])
     frames, people, counts = len(arrays["time"]), arrays["gain"].shape[1], arrays["counts"]
     more = frames - (end - begin + 1)
     if more < 0 or (more and header["number"] > 1):

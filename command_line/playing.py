@@ -54,16 +54,21 @@ class Played:
 def play(
     scene: Scene, start: int, end: int, progress: Callable[[int], None] = lambda frame: None
 ) -> Played:
-    """Play the frames ``start`` to ``end``, see `steps`. ``progress`` is called with every
-    frame."""
+    """Play the frames ``start`` to ``end``, see `steps`, and the one after them, with which the
+    samples end. ``progress`` is called with every frame."""
     blocks: list[FloatArray] = []
     blender, tracing = [], []
     impacts: list[ImpactFelt] = []
     result: FrameResult | None = None
     liveliest: FrameResult | None = None
     reading: Reading | None = None
-    with closing(steps(scene, start, end)) as played:
+    with closing(steps(scene, start, end + 1)) as played:
         for step in played:
+            if step.result.block is not None:
+                blocks.append(step.result.block)
+            progress(step.result.number)
+            if step.result.number > end:
+                break
             result = step.result
             reading = session.of(scene).reading
             blender.append(step.blender_milliseconds)
@@ -71,9 +76,6 @@ def play(
             impacts += _new_impacts(result)
             if result.impacts and (liveliest is None or _strength(result) > _strength(liveliest)):
                 liveliest = result
-            if result.block is not None:
-                blocks.append(result.block)
-            progress(result.number)
     if result is None or reading is None:
         raise ValueError(f"The frame range {start} to {end} is empty")
     return Played(

@@ -68,7 +68,7 @@ def trace_and_report(args: argparse.Namespace, name: str) -> int:
     end = scene.frame_end if args.end is None else args.end
     args.out.mkdir(parents=True, exist_ok=True)
     capture, own = Capture(scene, start, end, recorded=args.whole, felt=False), session.of(scene)
-    with frame_bar(max(end - start + 1, 0), "Tracing") as advance:
+    with frame_bar(max(end - start + 2, 0), "Tracing") as advance:
 
         def played_frame(frame: int) -> None:
             if args.whole and own.result is not None:

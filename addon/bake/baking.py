@@ -35,7 +35,7 @@ def bake_job(scene: Scene) -> Job:
         done = report_text("1 frame baked") if count == 1 else report_text("{} frames baked", count)
         return [({"INFO"}, done)]
 
-    return Job("Baking", count, _steps(scene, first, last), reports, undo="Bake Haptics")
+    return Job("Baking", count + 1, _steps(scene, first, last), reports, undo="Bake Haptics")
 
 
 def _steps(scene: Scene, first: int, last: int) -> Generator[None, None, None]:
@@ -44,7 +44,7 @@ def _steps(scene: Scene, first: int, last: int) -> Generator[None, None, None]:
     motion = motion_of(scene)
     own = session.of(scene)
     frame_duration = scene.render.fps_base / scene.render.fps
-    with closing(timeline.results(scene, first, last)) as results:
+    with closing(timeline.results(scene, first, last + 1)) as results:
         for result in results:
             if not recorder.frame_count:
                 if not result.listeners:

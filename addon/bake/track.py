@@ -78,7 +78,8 @@ _ARRAYS = (
 
 @dataclass(frozen=True, eq=False)
 class HapticTrack:
-    """What the listeners of a scene feel in f consecutive frames, and what made it.
+    """What the listeners of a scene feel in a range of frames, and what made it: f consecutive
+    frames, the last of which comes after the range and ends its samples.
 
     Attributes:
         frame_start: number of the first frame.
@@ -125,12 +126,13 @@ class HapticTrack:
 
     @property
     def frame_count(self) -> int:
+        """Number of traced frames."""
         return len(self.offsets) - 1
 
     @property
     def frame_end(self) -> int:
-        """The last frame."""
-        return self.frame_start + self.frame_count - 1
+        """The last frame of the range."""
+        return self.frame_start + self.frame_count - 2
 
     @property
     def mode(self) -> str:
@@ -166,7 +168,7 @@ class HapticTrack:
         return self.lines[slice(*self.line_rows[k : k + 2])].astype(np.float64)
 
     def result(self, frame: int) -> FrameResult | None:
-        """The result of a frame, without contacts and paths; None outside the range."""
+        """The result of a frame, without contacts and paths; None for one that was not traced."""
         k = frame - self.frame_start
         if not 0 <= k < self.frame_count:
             return None

@@ -25,7 +25,8 @@ from .written_objects import WrittenObjects
 
 @dataclass
 class Capture:
-    """The frames ``start`` to ``end`` of ``scene``, traced one after the other.
+    """The frames ``start`` to ``end`` of ``scene``, traced one after the other, and the one after
+    them, with which the last one's samples end.
 
     Args:
         scene: The scene to capture.
@@ -62,8 +63,8 @@ class Capture:
 
     @property
     def frames(self) -> int:
-        """Number of frames."""
-        return self.end - self.start + 1
+        """Number of frames that are traced."""
+        return self.end - self.start + 2
 
     def steps(self) -> Iterator[int]:
         """Trace the frames; each is yielded after its trace. At the end or on closing, the scene's
@@ -72,7 +73,7 @@ class Capture:
         Raises ValueError, with a message for the user, for a frame that cannot be traced, and for
         an empty range.
         """
-        if self.frames < 1:
+        if self.end < self.start:
             raise TranslatedError("The frame range {} to {} is empty", self.start, self.end)
         with closing(self._results()) as results:
             for result in results:
@@ -95,7 +96,7 @@ class Capture:
 
     def _results(self) -> Generator[FrameResult, None, None]:
         # Of a range from a bake one frame is traced: it says which scene was felt.
-        end = self.end if self.read is None else self.start
+        end = self.end + 1 if self.read is None else self.start
         with closing(timeline.steps(self.scene, self.start, end, self._tracks is None)) as steps:
             for step in steps:
                 if self.read is None:
@@ -104,7 +105,7 @@ class Capture:
                     self._record(step.result)
         if self.read is None:
             return
-        for frame in range(self.start, self.end + 1):
+        for frame in range(self.start, self.end + 2):
             result = self.read(frame)
             assert result is not None  # the track contains the range
             # The samples of the first frame precede its time.

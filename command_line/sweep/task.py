@@ -92,11 +92,13 @@ def _trace(task: Form) -> None:
     scene = open_file(variant["scene"])
     vary(scene, variant)
     recorder, felt, origin = TrackRecorder(), _VariantGains(), None
-    for step in timeline.steps(scene, *frames_of(scene, variant)):
+    first, last = frames_of(scene, variant)
+    for step in timeline.steps(scene, first, last + 1):
         if origin is None:
             origin = Capture.of(scene, step.result).provenance
         recorder.add(step.result)
-        felt.add(step.result, step.tracing_milliseconds)
+        if step.result.number <= last:
+            felt.add(step.result, step.tracing_milliseconds)
     tracks = recorder.tracks()
     if task["tracks"] and tracks.listeners:
         registry.write(

@@ -62,7 +62,7 @@ class Mixdown:
             self._last = None
             self._skipped = False
         if self._renderer is None or start is None:
-            self.before = None
+            self.before, self._last, self._skipped = None, end, True
             return None
         self.before, self._last = self._last, end
         if not heard:
