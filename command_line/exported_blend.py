@@ -72,7 +72,7 @@ def _export(scene: Scene, name: str, frames: tuple[int, int], recorded: bool) ->
     listener feels nothing."""
     work, own = Capture(scene, *frames, recorded, felt=True), session.of(scene)
     result, settings = None, None
-    with frame_bar(work.frames, name) as advance:
+    with frame_bar(work.frames + 1, name) as advance:
         for _ in work.steps():
             result, settings = own.result, own.reading.settings if own.reading is not None else None
             advance()

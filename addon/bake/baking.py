@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from contextlib import closing
 
+import bpy
 from bpy.types import Scene
 
 from ...core.scene.values import Mode
@@ -30,12 +31,11 @@ def bake_job(scene: Scene) -> Job:
         raise TranslatedError("The frame range {} to {} is empty", first, last)
     count = last - first + 1
 
-    def reports(running: Job) -> list[Report]:
-        running.progress(1.0)
+    def reports(_: Job) -> list[Report]:
         done = report_text("1 frame baked") if count == 1 else report_text("{} frames baked", count)
         return [({"INFO"}, done)]
 
-    return Job("Baking", count + 1, _steps(scene, first, last), reports, undo="Bake Haptics")
+    return Job("Baking", count, _steps(scene, first, last), reports)
 
 
 def _steps(scene: Scene, first: int, last: int) -> Generator[None, None, None]:
@@ -62,4 +62,5 @@ def _steps(scene: Scene, first: int, last: int) -> Generator[None, None, None]:
     track = recorder.track(digest, frame_duration)
     del recorder
     storage.keep(scene, track)
+    bpy.ops.ed.undo_push(message="Bake Haptics")
     redraw_viewports()

@@ -49,24 +49,20 @@ class Job:
         total: int,
         work: Iterator[object],
         finish: Callable[[Job], list[Report]],
-        undo: str = "",
     ) -> None:
         """Prepare a job; nothing is run.
 
         Args:
             label: for the user.
             total: number of steps of ``work``, for the progress.
-            work: the steps in Blender's thread.
+            work: the steps in Blender's thread. Where it changes Blender's data, it pushes an undo
+                step at once: an undo after a change without a step may leave pointers to what is
+                freed, and the job may end there, cancelled, by an error or with the window.
             finish: writes the files in another thread, and returns reports.
-            undo: name of the undo step of what the work changes in Blender's data, "" where it
-                changes nothing.
         """
         self.label = label
         self.total = max(total, 1)
         self.done = 0
-        self.undo = undo
-        """Name of the undo step of what the work changed in Blender's data, "" where it changed
-        nothing."""
         self.asks = False
         """Whether there is a window in which a question can be answered."""
         self.question: tuple[str, ...] = ()
@@ -229,10 +225,7 @@ class HAPTIC_OT_run_job(Action):
         _redraw(context.window_manager)
         if reports is None:
             return {"RUNNING_MODAL"}
-        undo = Job.in_window.undo
         self.cancel(context)
-        if undo:
-            bpy.ops.ed.undo_push(message=undo)
         for kind, text in reports:
             self.report(kind, text)
         return {"FINISHED"}

@@ -63,8 +63,8 @@ class Capture:
 
     @property
     def frames(self) -> int:
-        """Number of frames that are traced."""
-        return self.end - self.start + 2
+        """Number of frames of the range."""
+        return self.end - self.start + 1
 
     def steps(self) -> Iterator[int]:
         """Trace the frames; each is yielded after its trace. At the end or on closing, the scene's
@@ -73,7 +73,7 @@ class Capture:
         Raises ValueError, with a message for the user, for a frame that cannot be traced, and for
         an empty range.
         """
-        if self.end < self.start:
+        if self.frames < 1:
             raise TranslatedError("The frame range {} to {} is empty", self.start, self.end)
         with closing(self._results()) as results:
             for result in results:

@@ -86,6 +86,7 @@ class Conversion:
         except (OSError, ValueError) as error:
             fault = bpy.data.objects[self._name].haptics.source.sound.fault = ui_text(str(error))
             raise ValueError(fault) from None
+        bpy.ops.ed.undo_push(message="Convert Sound")
 
     def _steps(self) -> Generator[None, None, None]:
         samples = yield from mixed(self._clips)

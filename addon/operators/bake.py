@@ -15,6 +15,7 @@ class HAPTIC_OT_bake(Edit):
     """Trace the frame range in order and store the result in the file, to be played without tracing"""
 
     bl_label = "Bake Haptics"
+    bl_options = {"REGISTER"}  # the job pushes its undo step
 
     needs = (job.IDLE, *Edit.needs)
 

@@ -80,6 +80,7 @@ class HAPTIC_OT_convert_sound(OnActive):
     """Make vibration of the sound; it is kept with this file, so convert again after changing the sound or these settings"""
 
     bl_label = "Convert Sound"
+    bl_options = {"REGISTER"}  # the job pushes its undo step
 
     def apply(self, context: Context) -> set[str]:
         return convert_sound(self, context, context.object)
@@ -94,7 +95,7 @@ def convert_sound(operator: Operator, context: Context, obj: Object) -> set[str]
         raise
     written = [({"INFO"}, report_text("Sound converted"))]
     steps, count = work.steps(), work.step_count
-    conversion = job.Job("Converting", count, steps, lambda running: written, "Convert Sound")
+    conversion = job.Job("Converting", count, steps, lambda running: written)
     return job.run(operator, context, conversion)
 
 

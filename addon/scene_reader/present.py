@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import bpy
 import numpy as np
-from bpy.types import Collection, LayerCollection, Scene, ViewLayer
+from bpy.types import Collection, Depsgraph, LayerCollection, Object, Scene, ViewLayer
 from numpy.typing import NDArray
 
 from ..blender.arrays import read_array
@@ -21,6 +21,19 @@ def traced_layer(scene: Scene) -> ViewLayer:
     windows = context.window_manager.windows
     shown = (window.view_layer for window in windows if window.scene == scene)
     return next(shown, scene.view_layers[0])
+
+
+def is_shown(scene: Scene) -> bool:
+    """Whether all windows show a scene: Blender then writes what it evaluates to the objects
+    themselves."""
+    return all(window.scene == scene for window in bpy.context.window_manager.windows)
+
+
+def evaluated_in(objects: Iterable[Object], depsgraph: Depsgraph) -> Iterable[Object]:
+    """Objects with the transforms and animated values that they have in a depsgraph."""
+    if is_shown(depsgraph.scene):
+        return objects
+    return [obj.evaluated_get(depsgraph) for obj in objects]
 
 
 def present_objects(layer: ViewLayer) -> NDArray[np.int32]:

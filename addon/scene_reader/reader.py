@@ -50,7 +50,7 @@ from .instances import (
 )
 from .objects import has_body_of, read_listener, read_object, read_source
 from .parented import ParentedPoses
-from .present import present_and_disabled
+from .present import evaluated_in, present_and_disabled
 from .problem import Problem
 from .reading import Reading
 from .renamed import ObjectsMeant
@@ -60,7 +60,13 @@ from .settings import read_contact_settings, read_settings, setting_values
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
 from .triggers import read_triggers, region_of
-from .world_transforms import in_metres, matrices_of, raw_matrices, rigid_transforms, session_ids
+from .world_transforms import (
+    in_metres,
+    matrices_of,
+    rigid_transforms,
+    session_ids,
+    world_matrices,
+)
 
 _FEW = 16
 """Objects up to which reading them alone takes less time than the matrices of all."""
@@ -272,7 +278,7 @@ class SceneReader:
         """World matrices (n, 16) of all objects and instances by row, after reading everything
         again if there are others or an authored value has changed."""
         ids = session_ids()
-        raw = in_metres(raw_matrices(len(ids)), self._metres)
+        raw = in_metres(world_matrices(len(ids), depsgraph), self._metres)
         layer = depsgraph.view_layer
         present, self._disabled = present_and_disabled(layer)
         if (
@@ -462,9 +468,12 @@ class SceneReader:
             assert self._lists is not None
             lists = self._lists
             raw = self._raw.copy()
-            matrices = in_metres(matrices_of(evaluated.values()), self._metres)
+            found = matrices_of(evaluated.values(), depsgraph)
+            matrices = in_metres(found, self._metres)
             raw[lists.rows.searchsorted(list(evaluated))] = matrices
-        animated = _objects_in([row for row, _ in lists.animated], evaluated)
+        animated = evaluated_in(
+            _objects_in([row for row, _ in lists.animated], evaluated), depsgraph
+        )
         rows = {
             row
             for (row, paths), obj in zip(lists.animated, animated, strict=True)
@@ -621,7 +630,8 @@ class SceneReader:
         self, row: int, obj: Object, depsgraph: Depsgraph, stretch: FloatArray
     ) -> Tagged:
         """The roles of an object as values of the core, and the problems that prevent any."""
-        haptics = obj.haptics
+        (animated_now,) = evaluated_in([obj], depsgraph)
+        haptics = animated_now.haptics
         name = obj.name_full
         problems: list[Problem] = []
         haptic_object = body = surface = source = listener = None
@@ -632,7 +642,7 @@ class SceneReader:
         if haptics.enabled:
             try:
                 surface = self._shape(obj, depsgraph, stretch)
-                haptic_object = read_object(obj, depsgraph.scene)
+                haptic_object = read_object(animated_now, depsgraph.scene)
                 body = Body.of(haptic_object, surface.shape)
             except ValueError as error:
                 if obj.session_uid not in self._instances.instancers:
@@ -650,15 +660,16 @@ class SceneReader:
                 problems.append(_without_carrier(obj, role))
                 continue
             try:
-                silenced = is_silenced(obj, role, self.solo_roles)
+                silenced = is_silenced(animated_now, role, self.solo_roles)
                 if role == "listener":
-                    listener = read_listener(obj, carrier.name_full, silenced)
+                    listener = read_listener(animated_now, carrier.name_full, silenced)
                 else:
                     triggers, wrong = read_triggers(obj, depsgraph.scene)
                     problems += wrong
                     frequency = self._curves.of_source(obj, depsgraph.scene)
                     source = replace(
-                        read_source(obj, carrier.name_full, frequency, silenced), triggers=triggers
+                        read_source(animated_now, carrier.name_full, frequency, silenced),
+                        triggers=triggers,
                     )
             except (OSError, ValueError) as error:
                 rule = ("signal", 0) if role == "source" else None

@@ -16,6 +16,7 @@ from ..blender.compatibility import fcurves_of
 from ..blender.full_names import name_for, object_meant
 from ..blender.time import seconds_of, stretching
 from ..blender.units import metres_per_unit
+from .present import evaluated_in, traced_layer
 from .problem import Problem
 
 PATH = "haptics.source.trigger"
@@ -70,7 +71,8 @@ def region_of(source: Any, scene: Scene) -> dict[str, Any]:
     region = object_meant(source.trigger_region, source.id_data)
     if region is None or region.name not in scene.objects:
         return {}
-    place, rotation, scale = region.matrix_world.decompose()
+    (placed,) = evaluated_in([region], traced_layer(scene).depsgraph)
+    place, rotation, scale = placed.matrix_world.decompose()
     corners = np.array([corner[:] for corner in region.bound_box])
     if region.type == "EMPTY":  # drawn as a cube of twice its display size
         corners = region.empty_display_size * np.array([(-1, -1, -1), (1, 1, 1)])

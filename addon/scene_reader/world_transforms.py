@@ -7,11 +7,12 @@ from functools import lru_cache
 
 import bpy
 import numpy as np
-from bpy.types import Object
+from bpy.types import Depsgraph, Object
 from numpy.typing import NDArray
 
 from ...core.arrays import FloatArray
 from ..blender.arrays import read_array
+from .present import evaluated_in, is_shown
 
 _SHEARED = 1e-4
 """Cosine of the angle between two axes of an object beyond which it counts as sheared."""
@@ -22,17 +23,20 @@ def session_ids() -> NDArray[np.int32]:
     return read_array(bpy.data.objects, "session_uid", 1, np.int32)[:, 0]
 
 
-def raw_matrices(count: int) -> NDArray[np.float32]:
-    """(n, 16) world matrices of all objects of the file, column by column; ``count``: n, which
-    Blender would count again."""
+def world_matrices(count: int, depsgraph: Depsgraph) -> NDArray[np.float32]:
+    """(n, 16) world matrices of all objects of the file, column by column, as a depsgraph has
+    evaluated them; ``count``: n, which Blender would count again."""
+    if not is_shown(depsgraph.scene):
+        return matrices_of(bpy.data.objects, depsgraph)
     values = np.empty(16 * count, dtype=np.float32)
     bpy.data.objects.foreach_get("matrix_world", values)
     return values.reshape(count, 16)
 
 
-def matrices_of(objects: Iterable[Object]) -> NDArray[np.float32]:
-    """(n, 16) world matrices of some objects, column by column."""
-    matrices = [obj.matrix_world.transposed() for obj in objects]
+def matrices_of(objects: Iterable[Object], depsgraph: Depsgraph) -> NDArray[np.float32]:
+    """(n, 16) world matrices of some objects, column by column, as a depsgraph has evaluated
+    them."""
+    matrices = [obj.matrix_world.transposed() for obj in evaluated_in(objects, depsgraph)]
     return np.array(matrices, dtype=np.float32).reshape(-1, 16)
 
 

@@ -35,8 +35,10 @@ def boxes(add_box: Callable[..., Any], scene: Any) -> list[Any]:
 def read_everywhere(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """A number for each time that the matrices of all objects are read."""
     times: list[int] = []
-    read = reader.raw_matrices
-    monkeypatch.setattr(reader, "raw_matrices", lambda count: times.append(count) or read(count))
+    read = reader.world_matrices
+    monkeypatch.setattr(
+        reader, "world_matrices", lambda count, layer: times.append(count) or read(count, layer)
+    )
     return times
 
 

@@ -58,12 +58,13 @@ class Run:
 
 
 def origin_of(name, last, parts):
-    return Origin(name, "", "", "HT", (), (1, last), parts, programs())
+    """Of a range that begins with frame 1 and ends with the beginning of frame ``last``."""
+    return Origin(name, "", "", "HT", (), (1, last - 1), parts, programs())
 
 
 def baked_part(runs, origin, number, start):
     """A part as `export --part` traces it: from ``start``."""
-    first, last = origin.range_of(number)
+    first, last = origin.traced(number)
     own = runs[start]
     frames = tuple(own.frames[frame] for frame in range(first, last + 1))
     return Part(origin, number, own.rate, own.after.get(first - 1, ""), own.after[last], frames)
@@ -110,7 +111,7 @@ def test_parts_of_every_sample_add_up_to_the_bit(registered, tmp_path, name):
     }
     ends = {1: last}  # of each run, the last frame that is wanted
     for (parts, number), start in starts.items():
-        ends[start] = max(origin_of(name, last, parts).range_of(number)[1], ends.get(start, 0))
+        ends[start] = max(origin_of(name, last, parts).traced(number)[1], ends.get(start, 0))
     runs = {start: Run(scene, start, end) for start, end in ends.items()}
     rings_over_a_cut = False
     for parts in (2, 3, 7):
@@ -152,7 +153,8 @@ def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(
     whole = Run(scene, *frames, looks_back=True)
     assert whole.tracks.samples.any(axis=1).sum() > 1
     origins = {
-        parts: replace(origin_of("slides", frames[1], parts), frames=frames) for parts in (2, 3, 7)
+        parts: replace(origin_of("slides", 2, parts), frames=(frames[0], frames[1] - 1))
+        for parts in (2, 3, 7)
     }
     starts = {
         (parts, k): part.start_of(scene, origins[parts], k)
@@ -161,14 +163,14 @@ def test_parts_and_ranges_of_what_slides_have_the_bits_of_the_whole(
     }
     ends = {}
     for (parts, number), start in starts.items():
-        ends[start] = max(origins[parts].range_of(number)[1], ends.get(start, 0))
+        ends[start] = max(origins[parts].traced(number)[1], ends.get(start, 0))
     begin = starts[2, 1]  # of the whole as well
     runs = {
         start: whole if start == begin else Run(scene, start, end) for start, end in ends.items()
     }
     longest = part._baked(scene, origins[2], 1, begin)
     for parts, origin in origins.items():
-        last = origin.range_of(1)[1]
+        last = origin.traced(1)[1]
         heard = tuple(frame for frame in longest.frames if frame.number <= last)
         write_part(
             replace(

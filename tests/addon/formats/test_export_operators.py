@@ -54,7 +54,7 @@ def test_a_range_traced_again_by_the_core_gives_the_same_samples(shaken, tmp_pat
     assert bpy.ops.export_scene.haptic_scene(filepath=str(path), **arguments) == {"FINISHED"}
     export = read_export(path)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["range.json", "range.tracks.wav"]
-    assert [frame.number for frame in export.recording.frames] == list(range(1, 14))
+    assert [frame.number for frame in export.recording.frames] == list(range(1, 15))
     assert export.recording.frame_rate == pytest.approx(30 / 1.001)
     blocks = [
         result.block
@@ -62,7 +62,7 @@ def test_a_range_traced_again_by_the_core_gives_the_same_samples(shaken, tmp_pat
         if result.block is not None
     ]
     samples = np.concatenate(blocks, axis=1)
-    assert samples.shape[1] == math.ceil(12 * 1.001 / 30 * 8000)
+    assert samples.shape[1] == math.ceil(13 * 1.001 / 30 * 8000)
     np.testing.assert_allclose(export.tracks.samples, samples, atol=1e-5)
     assert np.abs(export.tracks.samples).max() > 0.01
     assert bpy.context.scene.frame_current == 1
@@ -95,8 +95,8 @@ def test_packed_and_inline(shaken, tmp_path):
         filepath=str(path), frames="RANGE", frame_end=3, tracks="inline", compressed=True
     )
     export = read_export(path)
-    assert len(export.recording.frames) == 3 and export.tracks.count == math.ceil(
-        2 * 1.001 / 30 * 8000
+    assert len(export.recording.frames) == 4 and export.tracks.count == math.ceil(
+        3 * 1.001 / 30 * 8000
     )
     bpy.ops.export_scene.haptic_scene(
         filepath=str(tmp_path / "without"), frames="RANGE", frame_end=3
@@ -218,9 +218,9 @@ def test_a_job_goes_in_pieces_and_is_cancelled_without_a_trace(shaken, tmp_path)
         capture.steps(),
         lambda _: finished.append(capture.export("x")) or [],
     )
-    assert ended(work) == [] and work.done == 13
+    assert ended(work) == [] and work.done == 14
     assert (
-        finished[0].tracks.count == math.ceil(12 * 1.001 / 30 * 8000) and shaken.frame_current == 7
+        finished[0].tracks.count == math.ceil(13 * 1.001 / 30 * 8000) and shaken.frame_current == 7
     )
 
 
@@ -363,9 +363,9 @@ def test_an_export_covers_the_scenes_frames_unless_told_otherwise(shaken, tmp_pa
     path = tmp_path / "whole.json"
     shaken.frame_start, shaken.frame_end = 3, 9
     exported(path, frames="RANGE")
-    assert [frame.number for frame in read_export(path).recording.frames] == list(range(3, 10))
+    assert [frame.number for frame in read_export(path).recording.frames] == list(range(3, 11))
     exported(path, frames="RANGE", frame_end=5)
-    assert [frame.number for frame in read_export(path).recording.frames] == [3, 4, 5]
+    assert [frame.number for frame in read_export(path).recording.frames] == [3, 4, 5, 6]
     for operator in ("scene", "tracks", "engine"):
         known = getattr(bpy.ops.export_scene, f"haptic_{operator}").get_rna_type().properties
         assert known["frame_start"].is_skip_save and known["frame_end"].is_skip_save

@@ -50,7 +50,7 @@ def written(hammer, tmp_path):
 
 def in_blender(scene):
     scene.frame_set(scene.frame_start - 1)
-    for frame in range(scene.frame_start, scene.frame_end + 1):
+    for frame in range(scene.frame_start, scene.frame_end + 2):  # at which the last one ends
         scene.frame_set(frame)
         yield session.result_of(scene)
 

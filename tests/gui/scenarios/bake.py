@@ -42,7 +42,7 @@ def steps(window):
         bpy.ops.haptic.bake("INVOKE_DEFAULT")
     while job.Job.in_window is not None:
         yield 0.2
-    window.seen["baked"] = storage.track_of(scene).frame_count == 120 and scene.frame_current == 40
+    window.seen["baked"] = storage.track_of(scene).frame_end == 120 and scene.frame_current == 40
     window.seen["fits"] = playback.stale_reasons(scene) == ()
     window.seen["stands: traced"] = not playback.is_from_track(session.result_of(scene))
     yield from window.screenshot("bake")
@@ -84,7 +84,7 @@ def steps(window):
     window.seen["undone"] = storage.track_of(bpy.context.scene) is None
     yield from window.redo()
     scene = bpy.context.scene
-    window.seen["redone"] = storage.track_of(scene).frame_count == 120
+    window.seen["redone"] = storage.track_of(scene).frame_end == 120
 
     scene.haptics.bake.use_track = False
     for frame in range(20, 41):
