@@ -468,8 +468,7 @@ class SceneReader:
             assert self._lists is not None
             lists = self._lists
             raw = self._raw.copy()
-            found = matrices_of(evaluated.values(), depsgraph)
-            matrices = in_metres(found, self._metres)
+            matrices = in_metres(matrices_of(evaluated.values(), depsgraph), self._metres)
             raw[lists.rows.searchsorted(list(evaluated))] = matrices
         animated = evaluated_in(
             _objects_in([row for row, _ in lists.animated], evaluated), depsgraph
