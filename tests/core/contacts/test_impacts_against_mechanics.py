@@ -18,6 +18,7 @@ from haptic_tracing.core.contacts.settings import Body, ContactSettings
 from haptic_tracing.core.contacts.shapes import (
     Box,
     Capsule,
+    Compound,
     Cone,
     ConvexHull,
     Cylinder,
@@ -25,6 +26,7 @@ from haptic_tracing.core.contacts.shapes import (
     Sphere,
 )
 from haptic_tracing.core.contacts.tracker import ContactTracker
+from haptic_tracing.core.scene.values import Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -696,3 +698,28 @@ def test_what_animation_moves_without_a_mass_strikes_with_that_of_its_volume(mov
     (impact,) = impacts
     mass = 8 * 2 / (8 + 2) if moves == "hammer" else 2.0
     assert impact.energy == pytest.approx(mass * 4.0**2 / 2, rel=0.02)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.2, 0.4, 0.6, 0.8])
+def test_a_plank_that_lies_on_one_trestle_strikes_the_other_one_of_the_same_body(phase):
+    """Its end comes down about the edge on which it lies; each is 0.8 m from its middle."""
+    trestle = Box((0.1, 0.6, 0.7))
+    stand = Compound.of([(trestle, Pose((x, 0, -0.35))) for x in (-0.8, 0.8)])
+    plank = Body("plank", Box((2.0, 0.3, 0.04)), 9.0, motion="kinematic")
+    stop, spin = (14 + phase) / 24, 1.5
+
+    def place(time):
+        angle = spin * max(stop - time, 0.0)
+        matrix = np.eye(4)
+        matrix[0, [0, 2]] = math.cos(angle), -math.sin(angle)
+        matrix[2, [0, 2]] = math.sin(angle), math.cos(angle)
+        edge = np.array([-0.8, 0.0, 0.0])
+        matrix[:3, 3] = edge + matrix[:3, :3] @ (np.array([0, 0, 0.02]) - edge)
+        return matrix
+
+    trestles = Body("trestles", stand, motion="static")
+    (impact,) = animated(plank, place, trestles, np.eye(4), "effective")
+    assert impact.time == pytest.approx(stop, abs=0.002)
+    inertia = 9.0 * (2.0**2 + 0.04**2) / 12
+    mass = 1 / (1 / 9.0 + 0.8**2 / inertia)
+    assert impact.energy == pytest.approx(mass * (spin * 1.6) ** 2 / 2, rel=0.1)
