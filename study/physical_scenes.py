@@ -1,5 +1,5 @@
-"""The ten listeners of three samples with the paper's function, with measured materials, and with
-these and contacts by impedance; and the twelve of a new body, measured and felt all over.
+"""The ten listeners of three samples with the paper's function and with measured materials, whose
+contacts pass what both bodies can take; and the twelve of a new body, measured and felt all over.
 
 ``python -m haptic_tracing.study.physical_scenes`` prints the tables of `docs/physical.md`.
 """
@@ -23,7 +23,7 @@ from ..sample_scenes.avatar import Hand, Posture, build_avatar, seated, standing
 
 SAMPLES = (("jackhammer_bench", 3), ("hammer_nail", 20), ("mine_ride", 2638))
 """Module and frame: the jackhammer at work, the blow on the nail, the cart that rumbles."""
-WAYS = ("paper", "physical", "physical, impedance")
+WAYS = ("paper", "physical")
 BODIES: dict[str, tuple[float, float, float] | Posture] = {
     "one mesh stands on the floor": (0.5, 0.3, 1.75),
     "parts stand on the floor": standing(Hand(Vector((0.3, -0.45, 1.0)), Vector((0.0, -1.0, 0.0)))),
@@ -71,10 +71,6 @@ def make(scene: Scene, way: str) -> None:
         library.make_physical(
             [obj for obj in scene.objects if obj.haptics.enabled and not obj.haptics.medium], False
         )
-    elif way == WAYS[2]:
-        rule = scene.haptics.transmission_table.items.add()
-        rule.first_kind = rule.second_kind = "ANY"
-        rule.function = "impedance"
 
 
 def body_levels(case: str) -> np.ndarray:
