@@ -253,11 +253,9 @@ def _materials(rides: Mapping[str, Ride]) -> list[str]:
     pairs = [pair for pair, _ in walls_apart(first)]
     return [
         "<h2>By material: the paper's function and measured materials</h2>",
-        "<p>The same ride with the library's κ and ρ, with measured loss factors and speeds of "
-        "the same materials, and with these and "
-        "contacts by impedance. Blows play the templates of what strikes what. No material was "
-        "tuned; what is said here may turn out "
-        "either way.</p>",
+        "<p>The same ride with the library's κ and ρ, with measured loss factors, speeds and "
+        "impedances of the same materials. Blows play the templates of what strikes what. No "
+        "material was tuned; what is said here may turn out either way.</p>",
         "<p>What is felt: the strongest actuator above the threshold of feeling, and at how many "
         "of them anything is:</p>",
         _table(("Section", *ways), zip(sections, *felt, strict=True)),

@@ -1,5 +1,4 @@
-"""The ride with the paper's function, with measured materials, and with these and contacts by
-impedance, side by side.
+"""The ride with the paper's function and with measured materials, side by side.
 
 No material is tuned: objects have the library's values, and impacts the templates of their
 materials. All statements are measurements, whether or not they agree with the paper.
@@ -17,7 +16,7 @@ from ..core.arrays import FloatArray
 from ..core.forms import JsonObject
 from ..core.perception import are_felt_alike, are_felt_different
 from ..core.scene.materials import MATERIALS
-from ..core.scene.measured import DAMPING, physical
+from ..core.scene.measured import physical
 from ..core.scene.values import Mode
 from ..core.signals.templates import impact_template
 from .checks import HT, felt_anywhere, walls_felt
@@ -27,7 +26,6 @@ from .rendition import MODES, Ride
 TITLES: Mapping[str, str] = {
     "paper": "the paper's function",
     "physical": "measured materials",
-    "physical, impedance": "measured materials, contacts by impedance",
 }
 """Titles of `physical_scenes.WAYS`."""
 
@@ -108,14 +106,6 @@ def reasons() -> Iterator[str]:
         f"Measured walls lose {lost:.2g} dB of 100 Hz over their whole width: what they are "
         "made of can't be told from their damping."
     )
-    drops = []
-    for one, other in (("stone", "steel"), ("steel", "hardwood"), ("hardwood", "flesh")):
-        first, second = (MATERIALS[name].density * DAMPING[name].speed for name in (one, other))
-        drops.append(
-            f"{one} to {other} "
-            f"{20 * math.log10(2 * math.sqrt(first * second) / (first + second)):.1f} dB"
-        )
-    yield f"Contacts by impedance take {', '.join(drops)}, at every change of matter."
     blows = ", ".join(
         f"{first} on {second} {loudness(impact_template(first, second))[0]:+.1f} dB"
         for first, second in _BLOWS

@@ -52,8 +52,6 @@ def test_reasons_have_their_numbers_from_closed_forms():
     assert f"stone {20 * np.log10(0.7 * 0.85):.1f}" in text
     # pi (f - resonance) eta / c of the thigh, in decibels.
     assert f"{20 * np.log10(np.e) * np.pi * 90 * 0.3 / 10:.0f} dB/m at 100 Hz" in text
-    ratio = (700 * 4100) / (1050 * 7)
-    assert f"hardwood to flesh {20 * np.log10(2 * np.sqrt(ratio) / (1 + ratio)):.1f} dB" in text
 
 
 @pytest.mark.slow
@@ -83,7 +81,7 @@ def test_ride_with_measured_materials_is_a_part_of_the_report_whatever_it_says(m
     path = tmp_path / "report.html"
     write_report(path, ride, checks_of(ride), [], {}, rides=others)
     text = path.read_text(encoding="utf-8")
-    assert text.count("<th>measured materials, contacts by impedance") == 3
+    assert text.count("<th>measured materials") == 3
     for levels in (levels for each in (ride, *others.values()) for _, levels in sensations(each)):
         assert felt_verdict(levels) in text
     for other in others.values():

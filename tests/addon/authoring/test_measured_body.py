@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-import numpy as np
 import pytest
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.core.scene.measured import LIMBS
@@ -19,8 +18,6 @@ from haptic_tracing.study.physical_scenes import (
 
 CLEARLY = 6.0
 """Decibels above the threshold of feeling that *Make It Felt* aims at."""
-LOSS = 20 / np.log(10) * MATERIALS["flesh"].absorption
-"""Decibels per metre of flesh that is felt all over."""
 DOCUMENTATION = Path(__file__).parents[3] / "docs" / "physical.md"
 
 
@@ -136,18 +133,17 @@ def test_the_documentation_has_what_is_felt():
 @pytest.mark.slow
 @pytest.mark.parametrize("case", BODIES)
 def test_a_measured_body_feels_what_shakes_it(case):
-    """Somewhere clearly, from 80 Hz on, after 6 dB in skin and cloth; who stands on a floor feels
-    it with the feet alone. All over, no way from a sole up the trunk and out an arm is longer than
-    4 m."""
+    """Somewhere clearly, from 80 Hz on, or from 250 Hz on a floor of concrete, which is far heavier
+    than what shakes it, and then with the feet alone."""
     measured, all_over = body_levels(case)
     names = [
         obj.haptics.listener.body_part
         for obj in sorted(bpy.data.objects, key=lambda obj: obj.name)
         if obj.haptics.listener.enabled
     ]
-    high = [pitch >= 80 for pitch in PITCHES]
+    high = [pitch >= (250 if "floor" in case else 80) for pitch in PITCHES]
     assert (measured[high].max(axis=1) > CLEARLY).all()
-    assert (np.ptp(all_over, axis=1) < 4 * LOSS).all() and (all_over >= measured - 0.1)[high].all()
+    assert (all_over >= measured - 0.1)[high].all()
     if "floor" in case:
         feet = [name.startswith("foot") for name in names]
         assert (measured[high][:, feet] > CLEARLY).all() and (
