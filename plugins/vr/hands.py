@@ -122,19 +122,19 @@ def frame_of(
         continuous: whether it follows the last one.
     """
     hands = [
-        (hand, name, body, Pose(*grips[hand]))
-        for (hand, name), body in zip(NAMES.items(), BODIES, strict=True)
+        (hand, item, body, Pose(*grips[hand]))
+        for hand, item, body in zip(NAMES, OBJECTS, BODIES, strict=True)
         if hand in grips
     ]
     matrices = np.array([pose_matrix(pose) for *_, pose in hands]).reshape(-1, 4, 4)
     return Frame(
         number=number,
         time=time,
-        objects=(*reading.objects, *OBJECTS),
+        objects=(*reading.objects, *(item for _, item, _, _ in hands)),
         sources=tuple(source for source in reading.sources if source.triggers is None),
         listeners=tuple(
-            Listener(name, name, pose.position, PARTS[hand], radius=0.1)
-            for hand, name, _, pose in hands
+            Listener(item.name, item.name, pose.position, PARTS[hand], radius=0.1)
+            for hand, item, _, pose in hands
         ),
         settings=reading.settings,
         bodies=(*reading.bodies, *(body for _, _, body, _ in hands)),

@@ -195,10 +195,9 @@ def _reason(error: Any) -> tuple[str | None, str]:
         case "required":
             missing = next(key for key in limit if key not in value)
             others = set(value) - error.definition.get("properties", {}).keys()
-            asked = ": is {!r} meant to be it?"
-            return missing, "is required" + (
-                meant(missing, others, asked) or meant("type", others, asked)
-            )
+            # The kind of a shape is its "type", that of a signal its "signal".
+            wanted = "type" if missing == "signal" and "type" in others else missing
+            return missing, "is required" + meant(wanted, others, ": is {!r} meant to be it?")
         case "additionalProperties":
             known = error.definition.get("properties", {})
             key = next(key for key in value if key not in known)

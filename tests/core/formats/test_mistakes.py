@@ -258,7 +258,7 @@ MISTAKES: dict[str, Mistake] = {
     "signal type": Mistake(
         ("sources", 0, "signal"),
         {"type": "sine", "frequency": 60},
-        "/sources/0/signal/signal: is required",
+        "/sources/0/signal/signal: is required: is 'type' meant to be it?",
     ),
     "signal misspelt frequency": Mistake(
         ("sources", 0, "signal"),

@@ -66,10 +66,7 @@ def test_roles_properties_functions_and_contacts_are_extras_of_nodes(bench, gltf
         "rho": 0.7,
         "propagation": {"function": "exponential", "alpha": 0.4},
     }
-    assert (
-        hips["listener"] == {"body_part": "hips", "limiter": True, "extent": "strongest"}
-        and "object" not in hips
-    )
+    assert hips["listener"] == {"body_part": "hips", "limiter": True} and "object" not in hips
     assert document["scenes"][0]["extras"]["haptic_tracing"]["settings"]["strategy"] == "best_path"
     contacts = ground["contacts"]
     assert {contact["object"] for contact in contacts} == {"seat"}
