@@ -29,7 +29,7 @@ _LENT = {
     "addon.scene_reader": "functions kept_signal settings triggers",
     "addon.session": "session",
     "addon.view": "comparison explanation gain_plot graph_mesh inspection lane levels "
-    "meter_layout meter_pictures meters overlay "
+    "meter_layout meters overlay "
     "panel_picture paths sound_picture table watched",
     "core": "felt signals",
     "core.devices": "connection full_scale mapping profile_files profiles",

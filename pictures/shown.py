@@ -29,12 +29,12 @@ def averaged(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
 def shown_options(scene: Scene) -> Options:
     """The scene's options without a selection, for pictures."""
     haptics = scene.haptics
-    return Options(haptics.show_intra, haptics.show_best_paths, haptics.show_labels)
+    return Options(haptics.show_intra, haptics.show_best_paths)
 
 
 def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale: float) -> Hud:
     """The meters at the upper left of a picture."""
-    shown = levels(result, still_samples(result, LEVEL_SECONDS), LEVEL_SECONDS)
+    shown = levels(result, still_samples(result, LEVEL_SECONDS))
     margin = 12 * scale
     items = meter_hud(
         shown,

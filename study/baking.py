@@ -201,7 +201,7 @@ def draw_frames(
                                 scene,
                                 step.result,
                                 size,
-                                Options(show_intra=False, show_labels=False),
+                                Options(show_intra=False, labelled=""),
                             ),
                         )
             pictures[frame] = path.read_bytes()

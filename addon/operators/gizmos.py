@@ -13,7 +13,7 @@ from mathutils import Matrix
 from ..blender.polling import is_editable
 from ..blender.units import metres_per_unit
 from ..session import sessions
-from ..view import inspection
+from ..view import inspection, meters
 
 _ROLES = (
     ("source", "amplitude", (0.95, 0.42, 0.24), -0.5),
@@ -82,7 +82,7 @@ class HAPTIC_GGT_extents(GizmoGroup):
 
 
 class HAPTIC_GT_inspection(Gizmo):
-    """The connection of the overlay under the mouse; a click selects its object and shows Why"""
+    """The connection or listener under the mouse; a click selects its object and shows Why"""
 
     bl_idname = "HAPTIC_GT_inspection"
 
@@ -105,11 +105,17 @@ class HAPTIC_GT_inspection(Gizmo):
         return -1 if self.link is None else 0
 
     def invoke(self, context: Any, event: Any) -> set[str]:
+        target = meters.target_under(context, self.mouse)
+        if target is not None and target.switch:
+            meters.switch(target.listener, target.switch)
+            bpy.ops.ed.undo_push(message="Solo" if target.switch == "S" else "Mute")
+            return {"FINISHED"}
         own = sessions.known(context.scene)
         if own is not None:
             own.watched.active = self.link.listener
         bpy.ops.haptic.select_object("EXEC_DEFAULT", True, name=self.link.first, extend=event.shift)
-        bpy.ops.wm.call_panel(name="HAPTIC_PT_why")
+        if target is None:
+            bpy.ops.wm.call_panel(name="HAPTIC_PT_why")
         return {"FINISHED"}
 
     def modal(self, context: Any, event: Any, tweak: Any) -> set[str]:
@@ -128,7 +134,10 @@ class HAPTIC_GGT_inspection(GizmoGroup):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        overlay = context.space_data.overlay.show_overlays and context.scene.haptics.show_overlay
+        haptics = context.scene.haptics
+        overlay = context.space_data.overlay.show_overlays and (
+            haptics.show_overlay or haptics.meters.show
+        )
         return overlay and context.mode == "OBJECT" and sessions.shown(context.scene) is not None
 
     def setup(self, context: Context) -> None:

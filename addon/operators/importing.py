@@ -90,12 +90,12 @@ class HAPTIC_OT_import_signal(_FromFile, OnActive):
 class HAPTIC_OT_import_sound(_FromFile, OnActive):
     """Let the active object emit the vibration of a sound, which Sound to Vibration converts; it is kept with this file"""
 
-    bl_label = "Import Sound"
+    bl_label = "From Sound..."
 
     filter_glob: StringProperty(
         default=";".join(f"*{suffix}" for suffix in SOUNDS), options={"HIDDEN"}
     )
-    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
+    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning")
 
     def apply(self, context: Context) -> set[str]:
         source = context.object.haptics.source

@@ -1,9 +1,7 @@
-"""The summary at the top of the sidebar, always of the same height: what the watched listener
-feels, from which source, or why it feels nothing; and the way to it, row by row."""
+"""The summary at the top of the sidebar, always of the same height: whether the watched listener
+feels something, and the cause; and the way to it, row by row."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 from bpy.types import Context, Scene, UILayout
 
@@ -15,57 +13,56 @@ from ..live_output import handlers, unfelt
 from ..session import sessions
 from ..translations.sentences import sentence
 from ..view import doubtful_scale, explanation, levels, paths, watched
-from .cures import draw_cure
+from .cures import draw_cure, draw_remedy
 from .drawing import draw_problems, select_button
-from .hints import next_step, of_units
+from .hints import Hint, next_step, of_units
 from .quick_start import HAPTIC_PT_quick_start
 from .texts import draw_lines, draw_sentence, fitted, source_title
 
-if TYPE_CHECKING:
-    from ...core.diagnosis.waterfall import Waterfall
-
-_LINES = 5
-"""Lines of the summary: the level and the verdict, and three of the origin or of a reason."""
+_CAUSE_LINES = 2
 _WHY_LINES = 14
-_OBJECTS, _NAMES, _NOTICE = 0.48, 0.45, 0.62  # of the width
+_OBJECTS, _NAMES, _NOTICE = 0.48, 0.5, 0.62  # of the width
 _MUCH = 5.0  # milliseconds a frame of reading instances that are worth a notice
 
 
 def draw_answer(layout: UILayout, context: Context) -> None:
-    """Draw the result of the watched listener or the next step, a notice, and a remedy; steps of
-    the quick start only where that is not shown."""
+    """Draw verdict and cause, or the next step unless the quick start shows it, and one row for a
+    remedy or a notice."""
     scene = context.scene
     level = _watched_level(scene)
-    reasons = explanation.Explanation()
+    problems = sessions.shown_problems(scene)
     hint = next_step(scene) if level is None else None
-    if hint is not None and hint.is_in_quick_start and HAPTIC_PT_quick_start.poll(context):
-        _draw_notice(layout.row(align=True), scene, False)
+    if (
+        hint is not None
+        and hint.is_in_quick_start
+        and not problems
+        and HAPTIC_PT_quick_start.poll(context)
+    ):
+        _draw_notice(layout.row(align=True), scene)
         return
-    column = layout.box().column()
-    if level is None:
-        used = draw_lines(column, hint.words, "INFO", _LINES) if hint is not None else 0
-    else:
-        _draw_level(column, level)
-        path = paths.path_of(scene)
+    column = layout.box().column(align=True)
+    lines, reasons = _CAUSE_LINES, explanation.Explanation()
+    if level is not None:
+        _draw_verdict(column, level)
         if level.is_silent:
             reasons = explanation.why_silent(scene, level.listener)
-            used = 2 + draw_lines(column, _first_words(reasons), "INFO", _LINES - 2)
-        elif path is None or path.value is None or path.value.fall.listener != level.listener:
-            used = 2
-        else:
-            used = 2 + _draw_origin(column, path.value.fall)
-    _pad(column, _LINES - used)
+    else:
+        lines += 1
+    words = "" if hint is None else hint.words
+    if problems:
+        words = problems[0].message
+    elif level is not None:
+        words = _first_words(reasons) if level.is_silent else _origin(scene, level)
+    is_fine = level is not None and level.is_felt and not problems
+    icon = "ERROR" if problems else "BLANK1" if is_fine else "INFO"
+    used = draw_lines(column, words, icon, lines) if words else 0
+    _pad(column, lines - used)
     row = column.row(align=True)
-    if not _draw_notice(row, scene, level is not None):
-        _pad(row)
-    row = column.row(align=True)
-    if hint is not None and hint.operators:
-        for operator, icon in hint.operators:
-            row.operator(operator, icon=icon)
-    elif level is not None and not level.is_silent and not level.is_felt:
-        row.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
-    elif not (reasons.is_current and reasons.reasons) or not draw_cure(
-        row, context, reasons.reasons[0]
+    if not (
+        (problems and draw_remedy(row, context, problems[0]))
+        or _draw_urgent(row, scene, level is not None)
+        or _draw_cure(row, context, level, hint, reasons)
+        or _draw_notice(row, scene)
     ):
         _pad(row)
 
@@ -88,59 +85,70 @@ def _first_words(why: explanation.Explanation) -> str:
     return sentence(why.reasons[0]) if why.reasons else why.notice
 
 
-def _draw_level(layout: UILayout, level: levels.Level) -> None:
-    """Draw a listener's name, which selects it, its level as a bar, and whether that is felt."""
-    split = layout.split(factor=0.5)
-    name = fitted(level.listener, 0.5, icon=True)
-    select_button(split, level.listener, name, icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
-    text = levels.decibels(level.rms)
-    split.progress(factor=level.place, text=text if level.is_silent else ui_text("Level {}", text))
-    words = ui_text("Felt: margin {}" if level.is_felt else "Too weak: margin {}")
-    show(
-        layout,
-        ui_text("Feels nothing") if level.is_silent else words.format(level.margin_and_basis()),
-        "CHECKMARK" if level.is_felt else "ERROR",
-    )
-
-
-def _draw_origin(layout: UILayout, path: Waterfall) -> int:
-    """Draw the strongest source, the gain from it, and the objects on its path. Returns the number
-    of lines."""
+def _draw_verdict(layout: UILayout, level: levels.Level) -> None:
+    """Draw a listener's name, which selects it, and whether it feels something, by how much."""
     split = layout.split(factor=_NAMES)
-    name = path.source.name if path.source.second_object is None else path.source.object
-    select_button(
-        split, name, source_title(path.source, _NAMES), icon="OUTLINER_OB_FORCE_FIELD", emboss=False
-    )
-    show(split, ui_text("Gain {}", levels.decibels(path.gain)))
-    if not path.hops:
-        return 1
-    chain = written(Chain(hop.object for hop in path.hops))
-    return 1 + draw_lines(layout, ui_text("Through {}", chain), most=_LINES - 3)
+    row = split.row()
+    row.alignment = "LEFT"
+    name = fitted(level.title, _NAMES, icon=True)
+    select_button(row, level.listener, name, icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
+    icon = "CHECKMARK" if level.is_felt else "ERROR"
+    show(split, level.verdict(), icon)
 
 
-def _draw_notice(row: UILayout, scene: Scene, is_answered: bool) -> bool:
-    """Draw the first of what the user should know, with its button. Returns False if there is
-    nothing."""
+def _origin(scene: Scene, level: levels.Level) -> str:
+    """The strongest source and the objects on its path, "" while they are not known."""
+    path = paths.path_of(scene)
+    if path is None or path.value is None or path.value.fall.listener != level.listener:
+        return ""
+    fall = path.value.fall
+    if not fall.hops:
+        return ui_text("From {}", fall.source.name)
+    chain = written(Chain(hop.object for hop in fall.hops))
+    return ui_text("From {} through {}", fall.source.name, chain)
+
+
+def _draw_cure(
+    row: UILayout,
+    context: Context,
+    level: levels.Level | None,
+    hint: Hint | None,
+    why: explanation.Explanation,
+) -> bool:
+    """Draw the button of the next step or of what makes the listener feel something. Returns False
+    if there is none."""
+    if hint is not None:
+        for operator, icon in hint.operators:
+            row.operator(operator, icon=icon)
+        return bool(hint.operators)
+    if level is not None and not level.is_silent and not level.is_felt:
+        row.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
+        return True
+    return bool(why.is_current and why.reasons) and draw_cure(row, context, why.reasons[0])
+
+
+def _draw_urgent(row: UILayout, scene: Scene, is_answered: bool) -> bool:
+    """Draw why the answer is not that of the scene, with its button. Returns False if it is."""
     seconds = sessions.seconds_behind(scene)
-    problems = sessions.shown_problems(scene)
     if is_answered and not scene.haptics.tracing:
         row.label(text="Tracing is switched off", icon="ERROR")
         row.operator("haptic.toggle_tracing", text="", icon="HIDE_OFF")
-    elif seconds > 0 and not is_playing():
-        words = ui_text("Tracing for {:.0f} s...") if seconds >= 1 else ui_text("Tracing...")
-        show(row, words.format(seconds), "SORTTIME")
+    elif seconds >= 1 and not is_playing():
+        show(row, ui_text("Tracing for {:.0f} s...", seconds), "SORTTIME")
         row.operator("haptic.cancel_tracing", text="", icon="X")
     elif storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
         split = row.split(factor=_NOTICE, align=True)
         split.label(text="Baked, out of date", icon="ERROR")
         split.operator("haptic.bake", text="Bake Again")
-    elif problems:
-        words = "1 problem" if len(problems) == 1 else ui_text("{} problems", len(problems))
-        row.label(text=words, icon="ERROR")
-        if problems[0].object:
-            name = problems[0].object
-            select_button(row, name, fitted(name, 0.5, True), icon="RESTRICT_SELECT_OFF")
-    elif handlers.is_new():
+    else:
+        return False
+    return True
+
+
+def _draw_notice(row: UILayout, scene: Scene) -> bool:
+    """Draw the first of what the user should know, with its button. Returns False if there is
+    nothing."""
+    if handlers.is_new():
         row.label(text="Heard, too: see the speaker below", icon="SPEAKER")
     elif (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
         words = ui_text("{:,} instances move: {:.0f} ms a frame", *moving)
@@ -183,6 +191,8 @@ def draw_why(layout: UILayout, context: Context) -> None:
         used = _draw_path(column, context, path.value)
     if getattr(context.region, "type", "UI") == "UI":  # nothing is below a popover
         _pad(column, _WHY_LINES - used)
+    if level is not None and level.is_assumed:
+        draw_sentence(layout, ui_text("Not calibrated: its margins are assumed"), "INFO")
     if name:
         draw_sentence(layout, unfelt.device_words(scene, name))
 

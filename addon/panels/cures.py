@@ -1,6 +1,8 @@
-"""Buttons and fields that remove a reason for silence."""
+"""Buttons and fields that remove a problem or a reason for silence."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.types import Context, UILayout
@@ -8,6 +10,10 @@ from bpy.types import Context, UILayout
 from ...core.message import Cause, Message
 from .drawing import select_button
 from .texts import fitted
+
+if TYPE_CHECKING:
+    from ..properties.source import HapticSourceProperties
+    from ..scene_reader.problem import Problem
 
 _COMPLETE = {
     Cause.MUTED,
@@ -44,3 +50,25 @@ def draw_cure(layout: UILayout, context: Context, reason: Message) -> bool:
         name = fitted(reason.object, 0.5, icon=True, button=True)
         select_button(layout, reason.object, name, icon="RESTRICT_SELECT_OFF")
     return True
+
+
+def draw_remedy(layout: UILayout, context: Context, problem: Problem) -> bool:
+    """Draw the field that removes a problem, or the button that selects its object. Returns False
+    if it has none."""
+    obj = bpy.data.objects.get(problem.object)
+    if problem.rule == ("signal", 0) and obj is not None and obj == context.object:
+        draw_file(layout, obj.haptics.source)
+    elif problem.object:
+        name = fitted(problem.object, icon=True, button=True)
+        select_button(layout, problem.object, name, icon="RESTRICT_SELECT_OFF")
+    return bool(problem.object)
+
+
+def draw_file(layout: UILayout, source: HapticSourceProperties) -> None:
+    """Draw what a source plays where that is a file or a sound."""
+    if source.signal == "FILE":
+        layout.prop(source, "filepath", text="")
+    elif source.signal == "SOUND":
+        layout.operator("haptic.import_sound", icon="FILE_SOUND")
+    else:
+        layout.prop(source, "signal")

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 from bpy.types import Context, Object, Panel, UILayout
 
-from ..blender.documentation import page_url
 from ..blender.words import show, ui_text
 from ..changes.redraw import SIDEBAR_TAB
 from ..scene_reader.roles import haptic_carrier
@@ -15,30 +14,16 @@ from ..session import sessions
 from .texts import ICON, content_width, draw_sentence, fitted, lines
 
 
-class HapticsPanel(Panel):
-    """A panel with a button that opens its page of the documentation, by default that of its
-    module's name."""
-
-    page: ClassVar[str] = ""
-
-    def draw_header_preset(self: Any, context: Context) -> None:
-        """Draw the button."""
-        module = type(self).__module__.rpartition(".")[2]
-        self.layout.operator("wm.url_open", text="", icon="HELP", emboss=False).url = page_url(
-            self.page or _PAGES.get(module, f"panels/{module}")
-        )
-
-
-class SidebarPanel(HapticsPanel):
-    """Such a panel in the add-on's tab of the 3D viewport's sidebar."""
+class SidebarPanel(Panel):
+    """A panel in the add-on's tab of the 3D viewport's sidebar."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = SIDEBAR_TAB
 
 
-class ScenePanel(HapticsPanel):
-    """Such a panel in Properties > Scene > Haptics, closed at first."""
+class ScenePanel(Panel):
+    """A panel in Properties > Scene > Haptics, closed at first."""
 
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -49,7 +34,7 @@ class ScenePanel(HapticsPanel):
 
 
 class ObjectPanel(ScenePanel):
-    """Such a panel in Properties > Object > Haptics."""
+    """A panel in Properties > Object > Haptics."""
 
     bl_context = "object"
     bl_parent_id = "HAPTIC_PT_object_settings"
@@ -58,15 +43,6 @@ class ObjectPanel(ScenePanel):
 _SHOWN_PROBLEMS = 5
 _SPLIT = 320.0
 """Width of a panel's content [points] from which on labels stand beside values."""
-_PAGES = {
-    "roles": "panels/object",
-    "settings": "panels/scene",
-    "output": "devices",
-    "live_output": "devices",
-    "quick_start": "tutorial",
-    "export": "formats",
-}
-"""Documentation pages by panel module, if they differ from the module's name."""
 
 
 def poll_object(cls: type[Any], context: Context) -> bool:

@@ -44,7 +44,8 @@ def draw_search(layout: UILayout) -> None:
     row = layout.row(align=True)
     words = "Looking..." if outputs.is_finding() else "Find Devices"
     row.operator("haptic.find_devices", text=words, icon="VIEWZOOM")
-    row.operator("haptic.panic", text="", icon="CANCEL")
+    if outputs.running():
+        row.operator("haptic.panic", text="", icon="CANCEL")
 
 
 def _draw_actuators(layout: UILayout, scene: Scene) -> None:

@@ -54,6 +54,13 @@ class HAPTIC_MT_materials(Menu):
         layout.operator("haptic.match_materials", icon="LINENUMBERS_ON")
         layout.operator("haptic.new_material", icon="ADD")
         layout.separator()
+        titles = {material.title for material in MATERIALS.values()}
+        for item in context.scene.haptics.materials.items:
+            if item.name not in titles:
+                own = layout.operator(
+                    "haptic.apply_material", text=item.name, icon="MATERIAL", translate=False
+                )
+                own.name, own.target = item.name, target
         flow = layout.column_flow(columns=7)
         for name, material in MATERIALS.items():
             properties = cell(flow, f"material-{name}").operator(

@@ -21,9 +21,9 @@ from ..blender.words import show, show_pair, ui_text
 from ..properties.preferences import gain_text, preferences
 from ..scene_reader import functions
 from ..session import sessions
+from ..session.derived import Derived
 from ..view import gain_plot, panel_picture
 from .drawing import (
-    HapticsPanel,
     ObjectPanel,
     draw_held,
     draw_properties,
@@ -32,7 +32,7 @@ from .drawing import (
     warn,
 )
 from .formula import draw_parameters
-from .texts import draw_sentence
+from .texts import draw_sentence, fitted
 
 if TYPE_CHECKING:
     from ...core.scene.functions import ModulationFunction
@@ -61,7 +61,7 @@ def _poll_haptic(cls: type[Panel], context: Context) -> bool:
     )
 
 
-class HAPTIC_PT_object_settings(HapticsPanel):
+class HAPTIC_PT_object_settings(Panel):
     bl_label = "Haptics"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
@@ -207,18 +207,32 @@ def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
 def _draw_material(
     layout: UILayout, scene: Scene, chosen: HapticObjectMaterial, material: HapticMaterial | None
 ) -> None:
+    """Draw the material, and a button with the number of its objects if there are several, which
+    gives this one its own."""
     row = layout.row(align=True)
-    row.use_property_split = False
-    if not chosen.name:
-        row.menu("HAPTIC_MT_materials", text="Own Values", icon="MATERIAL")
-    else:
-        row.prop_search(chosen, "name", scene.haptics.materials, "items", text="", icon="MATERIAL")
-        row.menu("HAPTIC_MT_materials", text="", icon="DOWNARROW_HLT")
-    if chosen.name and material is None:
-        row.operator("haptic.unlink_material", text="", icon="UNLINKED")
+    name = fitted(chosen.name, 0.8, icon=True, button=True) or ui_text("Its Own Material")
+    row.menu("HAPTIC_MT_materials", text=name, icon="MATERIAL", translate=False)
+    users = 0 if material is None else users_of(scene, chosen.name)
+    if users > 1 or (chosen.name and material is None):
+        words = str(users or "")
+        icon = "NONE" if users else "UNLINKED"
+        side = row.row(align=True)
+        side.alignment = "RIGHT"
+        side.operator("haptic.unlink_material", text=words, icon=icon, translate=False)
     if chosen.name and material is None:
         warn(layout, "Not in this scene's library:", "the object keeps its values")
         layout.operator("haptic.new_material", text="Add to Library", icon="ADD")
+
+
+_USERS: Derived[str, int] = Derived(
+    lambda traced, name, _: sum(item.material == name for item in traced.result.graph.table.objects)
+)
+
+
+def users_of(scene: Scene, material: str) -> int:
+    """How many haptic objects of the shown frame are of a material, without waiting."""
+    latest = _USERS.latest(scene, material)
+    return 0 if latest is None else latest.value
 
 
 def advice(context: Context, obj: Object) -> Iterator[tuple[str, ...]]:

@@ -6,7 +6,9 @@ from bpy.types import Context, UILayout
 
 from ..blender import job
 from ..blender.words import show
+from ..io import last_export
 from ..live_output import outputs
+from ..view import watched
 from .drawing import SidebarPanel, draw_more
 from .live_output import draw_search
 from .texts import fitted
@@ -18,13 +20,18 @@ class HAPTIC_PT_output(SidebarPanel):
     bl_label = "Output"
     bl_order = 30
 
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return bool(watched.levels_of(context.scene)) or bool(outputs.running())
+
     def draw(self, context: Context) -> None:
         layout = self.layout
         haptics = context.scene.haptics
         layout.prop(haptics.live_output, "preview_volume")
         row = layout.row(align=True)
         draw_search(row)
-        row.popover("HAPTIC_PT_live_output", text="", icon="PREFERENCES")
+        if outputs.inventory() is not None or outputs.running():
+            row.popover("HAPTIC_PT_live_output", text="", icon="PREFERENCES")
         _draw_devices(layout.column(align=True))
         if job.draw_running(layout):
             return
@@ -36,8 +43,8 @@ class HAPTIC_PT_output(SidebarPanel):
         row.popover("HAPTIC_PT_bake", text="", icon="PREFERENCES")
         row = layout.row(align=True)
         row.operator("export_scene.haptic_tracks", text="Export Tracks", icon="EXPORT")
-        row.operator("export_scene.haptic_scene", text="", icon="SCENE_DATA")
-        row.popover("HAPTIC_PT_export", text="", icon="PREFERENCES")
+        if last_export.written is not None:
+            row.popover("HAPTIC_PT_export", text="", icon="PREFERENCES")
 
 
 def _draw_devices(layout: UILayout) -> None:

@@ -9,7 +9,6 @@ import bpy
 from bpy.types import AddonPreferences, Context
 
 from ...core.scene.choices import SourceKind
-from ..blender.documentation import page_url
 from ..blender.time import is_playing
 from ..io import last_export
 from ..properties.preferences import preferences
@@ -47,7 +46,6 @@ class HAPTIC_PT_quick_start(SidebarPanel):
         row = layout.row(align=True)
         row.prop(preferences(), "show_quick_start", text="Skip", toggle=True, invert_checkbox=True)
         row.menu("HAPTIC_MT_samples", text="Samples")
-        row.operator("wm.url_open", text="", icon="URL").url = page_url("tutorial")
 
 
 def steps(context: Context) -> Iterator[tuple[str, bool]]:

@@ -1,10 +1,10 @@
-"""Panel "What Is Felt": levels of listeners, solo, mute and meters; and, in Properties > Scene, a
-comparison of the modes, and tracing times."""
+"""Panel "What Is Felt": margins of listeners and sources, solo and mute; and, in Properties >
+Scene, a comparison of the modes, and tracing times."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.types import Context, Header, Panel, UILayout
@@ -17,9 +17,6 @@ from ..session import sessions
 from ..view import (
     comparison,
     levels,
-    meter_layout,
-    meter_pictures,
-    meters,
     table,
     watched,
 )
@@ -33,7 +30,6 @@ if TYPE_CHECKING:
 _LISTENERS = 10
 _SOURCES = 4
 _ROWS = 40
-_PICTURE = 5.0  # lines high
 _NAMES = 0.58  # of the width beside switches
 
 
@@ -41,45 +37,44 @@ class HAPTIC_PT_result(SidebarPanel):
     bl_label = "What Is Felt"
     bl_order = 20
 
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return bool(watched.levels_of(context.scene))
+
     def draw(self, context: Context) -> None:
         layout = self.layout
         scene = context.scene
-        traced = sessions.shown(scene)
-        row = layout.row()
-        if traced is None:
-            row.label(text="Nothing traced yet")
-        else:
-            baked = playback.is_from_track(traced.result)
-            words = ui_text("Frame {}, from the baked track" if baked else "Frame {}")
-            show(row, words.format(traced.result.number))
+        row = layout.row(align=True)
+        row.prop(scene.haptics.meters, "show", toggle=True)
         row.popover("HAPTIC_PT_table", text="", icon="SPREADSHEET")
-        row.operator("haptic.trace_frame", text="", icon="FILE_REFRESH")
-        if traced is None:
-            return
-        shown = watched.levels_of(scene)
         column = layout.column(align=True)
-        for level in shown[:_LISTENERS]:
-            _draw_level(column, level)
-        draw_more(column, len(shown) - _LISTENERS)
-        _draw_sources(layout.column(align=True), context, traced.result)
+        if not scene.haptics.meters.show:
+            shown = watched.levels_of(scene)
+            for level in shown[:_LISTENERS]:
+                _draw_level(column, level)
+            draw_more(column, len(shown) - _LISTENERS)
+        traced = sessions.shown(scene)
+        if traced is not None:
+            _draw_sources(layout.column(align=True), context, traced.result)
 
 
 def _draw_level(layout: UILayout, level: levels.Level) -> None:
-    """Draw a listener's name, which selects it, its level as a bar, pale unless it is felt, and its
-    switches."""
+    """Draw a listener's name, which selects it, its margin as a bar, pale unless it is felt, and
+    its switches."""
     row = layout.row(align=True)
-    split = _draw_name(row, level.listener, "OUTLINER_OB_LIGHTPROBE")
+    split = _draw_name(row, level.listener, "OUTLINER_OB_LIGHTPROBE", level.title)
     split.active = level.is_felt
-    split.progress(factor=level.place, text=level.level_text())
+    split.progress(factor=level.place, text=level.margin_text())
     _draw_switches(row, level.listener, "listener")
 
 
-def _draw_name(layout: UILayout, name: str, icon: str) -> UILayout:
-    """Draw a name beside switches, which selects its object. Returns the place to the right."""
+def _draw_name(layout: UILayout, name: str, icon: str, title: str) -> UILayout:
+    """Draw a title beside switches, which selects the object of that name. Returns the place to
+    the right."""
     split = layout.split(factor=_NAMES, align=True)
     row = split.row()
     row.alignment = "LEFT"
-    select_button(row, name, fitted(name, 0.51, icon=True, button=True), icon=icon, emboss=False)
+    select_button(row, name, fitted(title, 0.51, icon=True, button=True), icon=icon, emboss=False)
     return split.row(align=True)
 
 
@@ -87,42 +82,32 @@ def _draw_switches(layout: UILayout, name: str, role: str) -> None:
     """Draw solo and mute of a source or listener if it is an object of this file."""
     obj = bpy.data.objects.get(name)
     if obj is not None and getattr(obj.haptics, role).enabled:
-        draw_solo_and_mute(layout, getattr(obj.haptics, role))
-
-
-def draw_solo_and_mute(layout: UILayout, role: Any) -> None:
-    """Draw the switches of a source or listener."""
-    solo = "SOLO_ON" if role.solo else "SOLO_OFF"
-    mute = "MUTE_IPO_OFF" if role.muted else "MUTE_IPO_ON"
-    layout.prop(role, "solo", text="", icon=solo, emboss=False)
-    layout.prop(role, "muted", text="", icon=mute, emboss=False)
+        owner = getattr(obj.haptics, role)
+        solo = "SOLO_ON" if owner.solo else "SOLO_OFF"
+        mute = "MUTE_IPO_OFF" if owner.muted else "MUTE_IPO_ON"
+        layout.prop(owner, "solo", text="", icon=solo, emboss=False)
+        layout.prop(owner, "muted", text="", icon=mute, emboss=False)
 
 
 def _draw_sources(layout: UILayout, context: Context, result: FrameResult) -> None:
-    """Draw which sources the watched listener feels: those of the scene in the order of their
-    names, the strongest if there are many, and the number of impacts."""
+    """Draw by how much the watched listener feels each source, in the order of their names, the
+    strongest if there are many."""
     latest = watched.felt_at_watched(context.scene)
     heard = None if latest is None else latest.value
-    counts = (0, 0, 0) if heard is None else heard.counts()
-    words = ui_text("{} felt, {} masked, {} too weak", *counts)
-    show(layout, words)
     felt = {} if heard is None else {item.source.name: item for item in heard.sources}
     lasting = [source.name for source in result.sources if source.kind is SourceKind.PERSISTENT]
     strongest = sorted(lasting, key=lambda name: -felt[name].margin if name in felt else math.inf)
     for name in sorted(strongest[:_SOURCES]):
         item = felt.get(name)
         row = layout.row(align=True)
-        cell = _draw_name(row, name, "OUTLINER_OB_FORCE_FIELD")
+        cell = _draw_name(row, name, "OUTLINER_OB_FORCE_FIELD", name)
         cell.active = item is not None and item.state == "felt"
         words = levels.margin_words(item.margin) if item is not None else "\N{EM DASH}"
         if item is not None and item.masker:
-            words = ui_text("by {}", item.masker)
+            words = ui_text("not felt")
         show(cell, fitted(words, 0.35))
         _draw_switches(row, name, "source")
     draw_more(layout, len(lasting) - _SOURCES)
-    if context.scene.haptics.impacts:
-        count = len(result.sources) - len(lasting)
-        show(layout, ui_text("Impacts: {}", count))
 
 
 class HAPTIC_PT_table(Panel):
@@ -143,33 +128,6 @@ class HAPTIC_PT_table(Panel):
             for text in table.cells(row):
                 show(grid, shortened_to(text, 84.0))
         draw_more(layout, len(found) - _ROWS)
-
-
-class HAPTIC_PT_meters(SidebarPanel):
-    bl_parent_id = "HAPTIC_PT_result"
-    bl_label = "Meters"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw_header(self, context: Context) -> None:
-        self.layout.prop(context.scene.haptics.meters, "show", text="")
-
-    def draw(self, context: Context) -> None:
-        scene = context.scene
-        shown = watched.levels_of(scene)
-        scope = meters.scope_of(scene)
-        row = self.layout.row()
-        column = row.column()
-        if scope is None:
-            column.scale_y = 1 + _PICTURE
-            column.label(text="")
-        else:
-            column.template_icon(icon_value=meter_pictures.scope_icon(scope), scale=_PICTURE)
-            full = f"±{meter_layout.full_scale(scope):.3g}"
-            show(column, f"{fitted(scope.listener, 0.3)}, {full}")
-        if scene.haptics.meters.show_body and any(level.body_part for level in shown):
-            column = row.column()
-            column.template_icon(icon_value=meter_pictures.body_icon(shown), scale=_PICTURE)
-            column.label(text="Front and back")
 
 
 class HAPTIC_PT_comparison(ScenePanel):

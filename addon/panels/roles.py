@@ -6,10 +6,10 @@ from typing import Any
 
 from bpy.types import Context, UILayout
 
+from ..authoring import body_kit
 from ..blender.words import show
 from .drawing import SidebarPanel, draw_each
 from .object import draw_override, draw_transmission
-from .result import draw_solo_and_mute
 from .source import draw_signal
 
 
@@ -38,6 +38,8 @@ class HAPTIC_PT_roles(SidebarPanel):
             layout, haptics.source, "source", "haptic.add_source", "OUTLINER_OB_FORCE_FIELD"
         ):
             draw_signal(layout.column(align=True), haptics.source)
+        else:
+            layout.operator("haptic.import_sound", icon="FILE_SOUND")
         if _draw_role(
             layout,
             haptics.listener,
@@ -47,7 +49,9 @@ class HAPTIC_PT_roles(SidebarPanel):
             several,
         ):
             draw_each(layout.column(align=True), haptics.listener, "body_part", "gain")
-        layout.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
+        body = body_kit.armature_of(obj) or obj
+        if not body_kit.listeners_on(body) and not haptics.listener.enabled:
+            layout.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
 
 
 def _draw_role(
@@ -70,7 +74,5 @@ def _draw_role(
     row.label(text=role.bl_rna.properties["enabled"].name, icon=icon)
     if several:
         row.operator(operator, text="", icon="ADD")
-    if name != "object":
-        draw_solo_and_mute(row, role)
     row.popover(f"HAPTIC_PT_{name}", text="", icon="PREFERENCES")
     return True

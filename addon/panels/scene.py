@@ -6,6 +6,7 @@ from bpy.types import Context
 
 from ..gateway import is_loaded
 from ..live_output import handlers, preview
+from ..view import watched
 from .answer import draw_answer, draw_why
 from .drawing import SidebarPanel
 
@@ -28,7 +29,8 @@ class HAPTIC_PT_scene(SidebarPanel):
             icon="PAUSE" if playing else "PLAY",
         )
         heard = handlers.may_hear() or (is_loaded(preview) and preview.is_on())
-        row.operator("haptic.toggle_preview", text="", icon="SPEAKER", depress=heard)
+        if watched.levels_of(context.scene):
+            row.operator("haptic.toggle_preview", text="", icon="SPEAKER", depress=heard)
 
 
 class HAPTIC_PT_why(SidebarPanel):

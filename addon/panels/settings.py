@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from bpy.types import Context, UILayout
+from bpy.types import Context, Panel, UILayout
 
 from ...core.scene.impact_rule import CURVES, ImpactLimits, ImpactRule
 from ...core.scene.rules import ContactSettings
@@ -13,7 +13,6 @@ from ...core.scene.texture import Texture
 from ...core.scene.values import Settings
 from ..properties.scene import HapticSceneProperties
 from .drawing import (
-    HapticsPanel,
     ScenePanel,
     draw_each,
     draw_held,
@@ -25,7 +24,7 @@ from .materials import draw_models
 from .rules import draw_table
 
 
-class HAPTIC_PT_settings(HapticsPanel):
+class HAPTIC_PT_settings(Panel):
     bl_label = "Haptics"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"

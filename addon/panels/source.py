@@ -11,6 +11,7 @@ from ..properties.signal_kinds import PLAIN
 from ..properties.source import HapticSourceProperties
 from ..scene_reader.roles import haptic_carrier
 from ..session import sessions
+from .cures import draw_file
 from .drawing import (
     ObjectPanel,
     draw_carrier,
@@ -101,9 +102,7 @@ class HAPTIC_PT_source(ObjectPanel):
         if not source.enabled:
             return
         draw_signal(layout, source)
-        if source.signal == "FILE":
-            layout.prop(source, "filepath")
-        elif source.signal == "DRAWN":
+        if source.signal == "DRAWN":
             draw_drawing(layout, context.object)
         _draw_faults(layout, context.scene, context.object, "signal")
         layout.operator("haptic.import_signal", icon="IMPORT")
@@ -135,6 +134,8 @@ def draw_signal(layout: UILayout, source: HapticSourceProperties) -> None:
     row.operator("haptic.hear_signal", text="", icon="PLAY_SOUND").filepath = ""
     if source.signal in PLAIN and PLAIN[source.signal].is_tuned:
         layout.prop(source, "frequency")
+    if source.signal in ("FILE", "SOUND"):
+        draw_file(layout, source)
 
 
 def _draw_triggers(layout: UILayout, scene: Scene, obj: Object) -> None:

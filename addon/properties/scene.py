@@ -19,7 +19,11 @@ _COLUMNS = ("Listener", "Source", "Gain", "Level", "Margin")
 class HapticMetersProperties(PropertyGroup):
     """The meters of a scene."""
 
-    show: switch("Meters", "Draw meters over the 3D viewport: how much each listener feels", True)
+    show: switch(
+        "In Viewport",
+        "Show over the 3D viewport how much each listener feels, otherwise in the sidebar",
+        True,
+    )
     show_scope: switch(
         "Scope",
         "Draw the last second of the selected listener, or of the one that feels the most",
@@ -101,9 +105,8 @@ class HapticSceneProperties(PropertyGroup):
         update=view_changed,
     )
     show_labels: switch(
-        "Labels",
-        "Write names and amplitudes beside sources and listeners",
-        True,
+        "All Labels",
+        "Write names beside all sources and listeners, otherwise beside the watched listener",
         update=view_changed,
     )
     show_flow: switch(

@@ -82,7 +82,7 @@ class HapticSoundProperties(PropertyGroup):
         update=_edited,
     )
     strip: text("Strip", "One sound strip; empty for all that are not muted")
-    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning", True)
+    loop: switch("Loop", "Play it again and again; otherwise once, at the scene's beginning")
     carrier: choice("Carrier", "The vibration whose amplitude follows the sound", CARRIERS)
     frequency: limited(
         "Frequency (Hz)",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Literal
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ..blender.words import ui_text
-from .colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
+from .colour_map import STEPS, AmplitudeScale, colour_table
 from .cues import Cue
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
-from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Label, Lines, Place, RenderData, Size
+from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Lines, Place, RenderData, Size
 from .symbols import Symbol
 
 _PADDING = (6.0, 4.0)
@@ -44,6 +44,7 @@ def placed_annotations(
     legend: LegendSide = "RIGHT",
     frame: Rectangle | None = None,
     cues: Sequence[Cue] = (),
+    felt: Sequence[tuple[str, str, str]] = (),
 ) -> Hud:
     """Labels, cues and legend for a viewport.
 
@@ -57,6 +58,7 @@ def placed_annotations(
         legend: the side of the legend, in the lower corner.
         frame: the camera's frame, which the legend does not cover.
         cues: words about objects out of sight.
+        felt: names of listeners, their titles, and by how much they feel something.
     """
     builder = HudBuilder(scale)
     _add_cues(builder, cues, free, occupied)
@@ -74,6 +76,7 @@ def placed_annotations(
         size,
         free,
         np.array([*placed.bounds, *occupied]).reshape(-1, 4),
+        {name: words for name, *words in felt},
     )
     return placed.joined(builder.build())
 
@@ -106,13 +109,6 @@ def _start(left: float, bottom: float) -> Place:
     return left + _PADDING[0], bottom + _PADDING[1] + 1.2
 
 
-def label_text(label: Label) -> str:
-    """The amplitude of a label as text: "−12.4 dB"; in words if it is 0."""
-    if label.amplitude > 0:
-        return decibel_text(label.amplitude)
-    return ui_text("not reached") if label.is_listener else ui_text("silent")
-
-
 def _add_labels(
     builder: HudBuilder,
     data: RenderData,
@@ -120,6 +116,7 @@ def _add_labels(
     size: Size,
     free: Rectangle,
     occupied: FloatArray,
+    felt: Mapping[str, Sequence[str]],
 ) -> None:
     """Labels on plates beside their places.
 
@@ -130,17 +127,20 @@ def _add_labels(
         size: Of the viewport [pixels].
         free: The part of it that the user interface does not cover.
         occupied: Rectangles (m, 4) where something else is drawn.
+        felt: Titles of listeners and what they feel, by their names.
     """
     scale = builder.scale
     anchor = project(np.array([label.position for label in data.labels]), perspective, size)
     priority = np.where(np.isnan(anchor[:, 0]), -np.inf, [label.priority for label in data.labels])
     shown = np.argsort(-priority, kind="stable")[: min(_MOST_LABELS, np.isfinite(priority).sum())]
     labels = [data.labels[k] for k in shown.tolist()]
+    if not labels:
+        return
     anchor = anchor[shown]
     space = builder.width(" ") * 1.6
-    names = np.array([builder.width(label.name) for label in labels])
-    values = [label_text(label) for label in labels]
-    widths = names + space + np.array([builder.width(value) for value in values])
+    titles, values = zip(*(felt.get(label.name, (label.name, "")) for label in labels), strict=True)
+    names = np.array(list(map(builder.width, titles)))
+    widths = names + np.array([space + builder.width(value) if value else 0.0 for value in values])
     heights = np.full(len(labels), TEXT_SIZE * 0.95)
     extent = np.column_stack([widths, heights]) + 2 * np.array(_PADDING)
     clearance = np.array([label.clearance for label in labels]) + _GAP
@@ -161,7 +161,7 @@ def _add_labels(
             builder.line((x, y), nearest, (*FAINT_INK, 0.8), 1.0)
         builder.plate((left, bottom), (right, top), PLATE, 4.0)
         start, base = _start(left, bottom)
-        builder.text(label.name, (start, base), INK)
+        builder.text(titles[k], (start, base), INK)
         builder.text(values[k], (start + float(names[k]) + space, base), label.colour)
 
 

@@ -10,7 +10,6 @@ for image processing", 2020); `tests/references/oklab.py` computes the table.
 from __future__ import annotations
 
 import json
-import math
 from functools import cache
 from pathlib import Path
 
@@ -18,7 +17,6 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
-from ..blender.words import ui_text
 
 STEPS = 256
 
@@ -66,13 +64,3 @@ class AmplitudeScale:
         """Round values in dB for a legend, 3 to 7 of them, ascending to 0."""
         step = next(s for s in (2, 5, 10, 20) if -self.floor / s < 6.5)
         return tuple(range(-step * int(-self.floor // step), 1, step))
-
-
-def decibel_text(amplitude: float) -> str:
-    """An amplitude as a designer reads it: "−12.4 dB", or "silent" for 0."""
-    if amplitude <= 0:
-        return ui_text("silent")
-    value = round(20 * math.log10(amplitude), 1)
-    if value == 0:
-        return "0 dB"
-    return f"+{value:.1f} dB" if value > 0 else f"\N{MINUS SIGN}{-value:.1f} dB"

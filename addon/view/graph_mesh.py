@@ -4,6 +4,7 @@ texts that face the camera."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import bpy
@@ -15,7 +16,7 @@ from ...core.render.frame_result import FrameResult
 from ..blender.text import text_width
 from ..blender.units import metres_per_unit
 from ..scene_reader.settings import read_settings
-from .annotations import label_text, placed_annotations
+from .annotations import placed_annotations
 from .camera import camera_view, picture_scale
 from .colour_map import linear
 from .hud import INK, Hud
@@ -46,7 +47,8 @@ def graph_in_collection(
     Returns:
         The mesh object and its collection.
     """
-    data = render_data(result, read_settings(scene), options_of(scene, result))
+    options = replace(options_of(scene, result), labelled=None)
+    data = render_data(result, read_settings(scene), options)
     collection = _emptied_collection(scene)
     if scene.camera is None:
         unit = extent_unit(data) * thickness
@@ -199,7 +201,7 @@ def _add_text(collection: Collection, words: str, size: float, colour: tuple[flo
 
 def _add_label(collection: Collection, label: Label, unit: float) -> None:
     """A text above its place, upright."""
-    obj = _add_text(collection, f"{label.name}  {label_text(label)}", 17 * unit, (*INK, 1.0))
+    obj = _add_text(collection, label.name, 17 * unit, (*INK, 1.0))
     obj.data.align_x = "CENTER"
     x, y, z = label.position
     obj.location = x, y, z + (label.clearance + 5) * unit

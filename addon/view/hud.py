@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,14 +33,23 @@ class PlacedText:
     colour: tuple[float, float, float]
 
 
+class Target(NamedTuple):
+    """An area that can be clicked: a listener, and the letter of its switch there, "" for none."""
+
+    area: Rectangle
+    listener: str
+    switch: str = ""
+
+
 @frozen
 class Hud:
     """Elements drawn over a viewport: ``lines``, with plates and symbols, in pixels (z = 0, sizes
-    in points) and ``texts``; ``bounds``: the plates."""
+    in points) and ``texts``; ``bounds``: the plates; ``targets``: the first one counts."""
 
     lines: Lines
     texts: tuple[PlacedText, ...]
     bounds: tuple[Rectangle, ...] = ()
+    targets: tuple[Target, ...] = ()
 
     def moved(self, right: float, up: float) -> Hud:
         """A copy, moved to the ``right`` and ``up`` by so many pixels."""
@@ -50,10 +60,8 @@ class Hud:
                 replace(text, position=(text.position[0] + right, text.position[1] + up))
                 for text in self.texts
             ),
-            tuple(
-                (left + right, bottom + up, end + right, top + up)
-                for left, bottom, end, top in self.bounds
-            ),
+            tuple(_moved(bounds, right, up) for bounds in self.bounds),
+            tuple(target._replace(area=_moved(target.area, right, up)) for target in self.targets),
         )
 
     def joined(self, other: Hud) -> Hud:
@@ -70,6 +78,7 @@ class HudBuilder:
         self._strokes: list[tuple[float, ...]] = []
         self._texts: list[PlacedText] = []
         self._bounds: list[Rectangle] = []
+        self._targets: list[Target] = []
 
     def width(self, words: str, size: float = TEXT_SIZE) -> float:
         """The width of a text of ``size`` points."""
@@ -110,6 +119,11 @@ class HudBuilder:
         """A line of a ``width``."""
         self._strokes.append((*start, 0, *end, 0, *colour, *colour, width, Symbol.LINE))
 
+    def target(self, low: Place, high: Place, listener: str, switch: str = "") -> None:
+        """Make an area clickable."""
+        left, bottom, right, top = (float(end * self.scale) for end in (*low, *high))
+        self._targets.append(Target((left, bottom, right, top), listener, switch))
+
     def symbol(
         self, centre: Sequence[float], shape: Symbol, size: float, colour: Sequence[float]
     ) -> None:
@@ -137,7 +151,12 @@ class HudBuilder:
             position, colour[..., :3], colour[..., 3], strokes[:, 14], shape=strokes[:, 15]
         )
         bounds = (np.array(self._bounds).reshape(-1, 4) * self.scale).tolist()
-        return Hud(lines, tuple(self._texts), tuple(map(tuple, bounds)))
+        return Hud(lines, tuple(self._texts), tuple(map(tuple, bounds)), tuple(self._targets))
+
+
+def _moved(area: Rectangle, right: float, up: float) -> Rectangle:
+    left, bottom, end, top = area
+    return left + right, bottom + up, end + right, top + up
 
 
 def overlaps(one: Rectangle, other: Rectangle) -> bool:

@@ -4,6 +4,7 @@ its end, with its objects, distance, loss, and the gain up to its end."""
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,16 +13,19 @@ from bpy.types import Context
 from ...core.arrays import FloatArray
 from ...core.diagnosis.connections import connections
 from ...core.message import Metres, written
+from ...core.scene.values import Listener, Source
 from ..blender.units import metres_per_unit
 from ..blender.words import ui_text
 from ..changes.events import file_changed
 from ..session.derived import Derived
 from ..session.sessions import Traced
-from .hud import FAINT_INK, INK, PLATE, HudBuilder
+from . import meters
+from .hud import FAINT_INK, INK, PLATE, HudBuilder, overlaps
 from .label_placement import project
 from .layout import pixels_per_point
 from .levels import change_words
 from .screen import Recent, draw_flat, uploaded
+from .watched import levels_of
 
 _REACH = 9.0  # points around a connection
 _PADDING, _ROW = 8.0, 16.0  # points
@@ -34,7 +38,7 @@ class Link(NamedTuple):
 
     Attributes:
         first, second: objects of its two nodes.
-        source, listener: ends of the path.
+        source, listener: ends of the path; without one, "" and the name itself.
         distance: its length, or of a source or listener that of the path up to it [m].
         loss: in it, or of a source or listener on the path up to it [dB].
         gain: from the source to its end [dB].
@@ -57,8 +61,8 @@ class Links(NamedTuple):
 
 
 def links_of(traced: Traced, *_: object) -> Links:
-    """Computed on the worker: all connections of best paths, the strongest use of each, and the
-    sources and listeners that they join."""
+    """Computed on the worker: all connections of best paths, the strongest use of each, and all
+    sources and listeners."""
     result, names = traced.result, traced.result.graph.table.names
     found = connections(result, traced.settings.mode)
     items = []
@@ -87,7 +91,13 @@ def links_of(traced: Traced, *_: object) -> Links:
             items.append(Link(listener, listener, source.name, listener, along[1], -gain, gain))
             ends.append([nodes[1]] * 2)
     places = np.array(ends, dtype=np.int64).reshape(-1, 2)
-    return Links(tuple(items), result.graph.node_position[places])
+    position = result.graph.node_position[places]
+    known = {item.first for item in items if item.first == item.second}
+    every: list[Source | Listener] = [*result.sources, *result.listeners]
+    alone = [item for item in every if item.name not in known]
+    items += [Link(item.name, item.name, "", item.name, 0.0, 0.0, -math.inf) for item in alone]
+    own = np.array([item.position for item in alone]).reshape(-1, 1, 3)
+    return Links(tuple(items), np.concatenate([position, own.repeat(2, axis=1)]))
 
 
 _LINKS: Derived[None, Links] = Derived(links_of)
@@ -102,6 +112,12 @@ def under(context: Context, mouse: tuple[float, float]) -> Link | None:
     nearest connection."""
     latest = _LINKS.latest(context.scene, None)
     if latest is None or not latest.value.items:
+        return None
+    target = meters.target_under(context, mouse)
+    if target is not None:
+        whole = (link for link in latest.value.items if link.first == link.second)
+        return next((link for link in whole if link.first == target.listener), None)
+    if any(map(partial(overlaps, (*mouse, *mouse)), meters.occupied(context))):
         return None
     region, view = context.region, context.region_data
     perspective = np.array(view.perspective_matrix, dtype=np.float64)
@@ -127,11 +143,13 @@ def distances_to(place: FloatArray, ends: FloatArray) -> FloatArray:
     return np.sqrt(((start + share[:, None] * way - place) ** 2).sum(axis=1))
 
 
-def words_of(link: Link) -> tuple[str, ...]:
-    """The lines of the tooltip."""
+def words_of(link: Link, verdict: str = "") -> tuple[str, ...]:
+    """The lines of the tooltip; ``verdict``: what the listener feels that the link is."""
+    if not link.source:
+        return (link.first, verdict) if verdict else (link.first,)
     loss = change_words(-link.loss)
     if link.first == link.second:
-        title = link.first
+        title = f"{link.first}: {verdict}" if verdict else link.first
         way = f"{written(Metres(link.distance))}, {loss}"
     else:
         title = f"{link.first} \N{MULTIPLICATION SIGN} {link.second}"
@@ -149,7 +167,8 @@ def draw(context: Context) -> None:
     link, mouse = found
     scale = pixels_per_point(context)
     builder = HudBuilder(scale)
-    words = words_of(link)
+    shown = {level.listener: level.verdict() for level in levels_of(context.scene)}
+    words = words_of(link, shown.get(link.first, "") if link.first == link.second else "")
     width = max(map(builder.width, words)) + 2 * _PADDING
     height = len(words) * _ROW + _PADDING
     left = min(mouse[0] / scale + 14, context.region.width / scale - width)

@@ -11,6 +11,7 @@ from .hud import Rectangle, overlaps
 
 _TEXT_HEIGHT = 56.0  # points of Blender's own text at the upper left
 _GIZMO_WIDTH = 110.0  # points of the navigation gizmo and its buttons at the upper right
+_GIZMO_HEIGHT = 270.0
 _LEAST_BESIDE = 160.0  # points beside the camera's frame that an element needs
 _AXES = {"TOOLS": 0, "UI": 0} | dict.fromkeys(
     ("HEADER", "TOOL_HEADER", "ASSET_SHELF", "ASSET_SHELF_HEADER"), 1
@@ -54,6 +55,16 @@ def redo_panels(context: Context) -> tuple[Rectangle, ...]:
         for other in context.area.regions
         if other.type == "HUD" and other.width > 1 and (other.x or other.y)
     )
+
+
+def navigation(context: Context) -> tuple[Rectangle, ...]:
+    """The navigation gizmo and its buttons, in pixels of the viewport; () if they are hidden."""
+    space = context.space_data
+    if not (space.show_gizmo and space.show_gizmo_navigate):
+        return ()
+    _, _, right, top = free_rectangle(context)
+    scale = context.preferences.system.ui_scale
+    return ((right - _GIZMO_WIDTH * scale, top - _GIZMO_HEIGHT * scale, right, top),)
 
 
 def is_main_view(context: Context) -> bool:

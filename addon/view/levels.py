@@ -1,4 +1,4 @@
-"""Level, peak and margin of each listener, as numbers and texts.
+"""Level and margin of each listener, as numbers and texts.
 
 The *level* is the RMS of a listener's output without its steady part, in decibels of full scale.
 The *margin* is the level relative to the threshold of feeling. The *gain* is a property of a path:
@@ -8,8 +8,8 @@ neither the source's amplitude nor the listener's own gain is part of it.
 from __future__ import annotations
 
 import math
-
-import numpy as np
+from collections import Counter
+from collections.abc import Sequence
 
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
@@ -18,33 +18,28 @@ from ...core.render.frame_result import FrameResult
 from ...core.render.history import lasts, still_samples
 from ...core.render.levels import LEVEL_SECONDS as LEVEL_SECONDS
 from ...core.render.levels import level_and_margin as level_and_margin
+from ...core.scene.values import Listener
 from ..blender.words import ui_text
 from ..session.derived import Derived
 from ..session.sessions import Traced
 
-FLOOR = -60.0
-"""Lower end of a meter [dB of full scale]."""
-PEAK_SECONDS = 0.1
-"""Durations over which peak and level are computed [s]."""
-_LEAST_NAMED = -120.0
-"""Level [dB of full scale] under which a list says "silent": about 70 dB below what can be felt."""
+LEAST, MOST = -20.0, 40.0
+"""Ends of a meter [dB above the threshold of feeling]."""
 
 
 @frozen
 class Level:
     """The strength at a listener in decibels, minus infinity for silence.
 
-    ``peak`` and ``rms``: of full scale. ``margin``: above the threshold of feeling. ``threshold``:
-    the RMS level of this vibration at the threshold of feeling, None for silence. ``is_assumed``:
-    the device isn't calibrated.
+    ``title``: the listener's name, as short as it is unique. ``rms``: of full scale. ``margin``:
+    above the threshold of feeling. ``is_assumed``: the device isn't calibrated.
     """
 
     listener: str
+    title: str
     body_part: str
-    peak: float
     rms: float
     margin: float
-    threshold: float | None
     is_assumed: bool = True
 
     @property
@@ -59,30 +54,36 @@ class Level:
 
     @property
     def place(self) -> float:
-        """Position of the level on a meter, 0 to 1."""
-        return place_of(self.rms)
-
-    def level_text(self) -> str:
-        """The level in a list: "−12 dB", or "silent" also for what is next to nothing."""
-        return decibels(self.rms if self.rms >= _LEAST_NAMED else -math.inf)
+        """Position of the margin on a meter, 0 to 1."""
+        return place_of(self.margin)
 
     def margin_text(self) -> str:
-        """The margin with its sign: "+23 dB", "−5 dB", "" for silence."""
-        return margin_words(self.margin)
+        """The margin with its sign: "+23 dB", "−5 dB"; a dash for silence."""
+        return margin_words(self.margin) or "\N{EM DASH}"
 
-    def margin_and_basis(self) -> str:
-        """The margin, and whether its threshold is assumed: "+23 dB (assumed)"."""
-        return basis_words(self.margin_text(), self.is_assumed)
-
-
-def basis_words(words: str, is_assumed: bool) -> str:
-    """Words about a margin, with "(assumed)" if the listener's device isn't calibrated."""
-    return ui_text("{} (assumed)", words) if is_assumed else words
+    def verdict(self) -> str:
+        """Whether something is felt, and by how much."""
+        if self.is_silent:
+            return ui_text("Feels nothing")
+        words = ui_text("Felt: {}" if self.is_felt else "Too weak: {}")
+        return words.format(margin_words(self.margin))
 
 
-def place_of(level: float) -> float:
-    """Position of a level in decibels on a meter, 0 to 1."""
-    return min(max(1 - level / FLOOR, 0.0), 1.0)
+def titles(listeners: Sequence[Listener]) -> list[str]:
+    """Names as short as they are unique: of a listener whose name ends with its body part, the
+    part."""
+    parts = Counter(item.body_part for item in listeners)
+    return [
+        item.body_part
+        if parts[item.body_part] == 1 and item.name.endswith(f" {item.body_part}")
+        else item.name
+        for item in listeners
+    ]
+
+
+def place_of(margin: float) -> float:
+    """Position of a margin in decibels on a meter, 0 to 1."""
+    return min(max((margin - LEAST) / (MOST - LEAST), 0.0), 1.0)
 
 
 def decibels(level: float) -> str:
@@ -104,28 +105,19 @@ def margin_words(margin: float) -> str:
     return f"{'+' if round(margin) > 0 else ''}{whole_decibels(margin)}"
 
 
-def levels(
-    result: FrameResult, samples: FloatArray, peak_seconds: float = PEAK_SECONDS
-) -> tuple[Level, ...]:
+def levels(result: FrameResult, samples: FloatArray) -> tuple[Level, ...]:
     """The levels of all listeners at the end of ``samples`` (l, n)."""
-    peak = np.abs(_end(samples, peak_seconds, result.sample_rate)).max(axis=1, initial=0.0)
-    with np.errstate(divide="ignore"):
-        loud = 20 * np.log10(peak)
     mean, margin = level_and_margin(
         _end(samples, LEVEL_SECONDS, result.sample_rate), result.sample_rate, result.listeners
     )
     return tuple(
-        Level(
-            listener.name,
-            listener.body_part,
-            p,
-            r,
-            m,
-            r - m if math.isfinite(m) and math.isfinite(r) else None,
-            listener.device is None,
-        )
-        for listener, p, r, m in zip(
-            result.listeners, loud.tolist(), mean.tolist(), margin.tolist(), strict=True
+        Level(listener.name, title, listener.body_part, r, m, listener.device is None)
+        for listener, title, r, m in zip(
+            result.listeners,
+            titles(result.listeners),
+            mean.tolist(),
+            margin.tolist(),
+            strict=True,
         )
     )
 
@@ -144,11 +136,7 @@ def shown_levels(
     The level of a still frame therefore does not depend on earlier frames. Playback of less than a
     quarter second counts as a still frame; a baked track has only samples.
     """
-    return levels(
-        traced.result,
-        felt_samples(traced, is_playing),
-        LEVEL_SECONDS if _shows_still(traced, is_playing) else PEAK_SECONDS,
-    )
+    return levels(traced.result, felt_samples(traced, is_playing))
 
 
 def felt_samples(traced: Traced, is_playing: bool) -> FloatArray:

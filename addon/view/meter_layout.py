@@ -16,7 +16,7 @@ from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
 from ..blender.words import ui_text
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
-from .levels import FLOOR, Level, place_of
+from .levels import LEAST, MOST, Level, place_of
 from .render_data import SOURCE_COLOUR, Place, Size
 
 Colour = tuple[float, ...]
@@ -24,7 +24,7 @@ Colour = tuple[float, ...]
 # Points at a user interface scale of 1.
 PADDING, GAP = 8.0, 8.0
 ROW, BAR = 17.0, 9.0
-LEVEL_WIDTH, MARGIN_WIDTH = 46.0, 44.0
+MARGIN_WIDTH, SWITCH_WIDTH = 48.0, 15.0
 LEAST_NAME_WIDTH, NAME_WIDTH = 48.0, 130.0
 LEAST_BAR_WIDTH, BAR_WIDTH = 34.0, 150.0
 LEAST_SCOPE_WIDTH, SCOPE_HEIGHT = 120.0, 58.0
@@ -40,6 +40,9 @@ _NOT_FELT = (0.42, 0.42, 0.44, 1.0)
 _WHITE = (0.97, 0.97, 0.97, 1.0)
 _MARK = (*SOURCE_COLOUR.tolist(), 1.0)
 _GRID = (0.32, 0.32, 0.34, 1.0)
+_OFF = (0.45, 0.45, 0.47, 1.0)
+SWITCHES = {"S": "solo", "M": "muted"}
+"""Letters of the switches of a row, and the properties of a listener that they set."""
 SCOPE_COLOUR: Colour = (*colour_table()[len(colour_table()) * 3 // 5].tolist(), 1.0)
 
 
@@ -53,7 +56,7 @@ class Scope:
 
 
 def colour_of(level: Level) -> Colour:
-    """Colour by RMS level, grey if it is not felt."""
+    """Colour by margin, grey if it is not felt."""
     if not level.is_felt:
         return _NOT_FELT
     return (*colour_table()[round(level.place * (len(colour_table()) - 1))].tolist(), 1.0)
@@ -61,31 +64,24 @@ def colour_of(level: Level) -> Colour:
 
 @frozen
 class _ColumnWidths:
-    """Widths in points of names, bars, levels and margins; ``margin`` is 0 if there is no room for
-    it."""
+    """Widths in points of names and bars; margins and switches have the same always."""
 
     name: float
     bar: float
-    level: float
-    margin: float
 
     @property
     def width(self) -> float:
-        return self.name + self.bar + self.level + self.margin
+        return self.name + self.bar + MARGIN_WIDTH + 2 * SWITCH_WIDTH
 
     @classmethod
     def within(cls, across: float, names: float) -> _ColumnWidths | None:
         """Columns in ``across`` points if the longest name takes ``names``; None if there is not
-        enough room. Bars become narrow first, then names are shortened, then margins left out.
-        """
-        for margin in (MARGIN_WIDTH, 0.0):
-            values = LEVEL_WIDTH + margin
-            wanted = min(names + 8.0, NAME_WIDTH)
-            bar = min(max(across - wanted - values, LEAST_BAR_WIDTH), BAR_WIDTH)
-            name = min(wanted, across - bar - values)
-            if name >= min(LEAST_NAME_WIDTH, names + 8.0):
-                return cls(name, bar, LEVEL_WIDTH, margin)
-        return None
+        enough room. Bars become narrow first, then names are shortened."""
+        values = MARGIN_WIDTH + 2 * SWITCH_WIDTH
+        wanted = min(names + 8.0, NAME_WIDTH)
+        bar = min(max(across - wanted - values, LEAST_BAR_WIDTH), BAR_WIDTH)
+        name = min(wanted, across - bar - values)
+        return cls(name, bar) if name >= min(LEAST_NAME_WIDTH, names + 8.0) else None
 
 
 @frozen
@@ -119,9 +115,10 @@ def meter_hud(
     *,
     body: bool = True,
     spots: Sequence[Spot] = (),
+    switched: Mapping[str, str] | None = None,
 ) -> Hud:
     """The meters, their lower left corner at the origin. If there is not enough room, these are
-    left out in order: body, scope, margins, listeners, everything.
+    left out in order: body, scope, listeners, everything.
 
     Args:
         levels: Of all listeners.
@@ -131,9 +128,10 @@ def meter_hud(
         title: Above the names.
         body: Whether the body is shown where listeners have a body part.
         spots: The actuators that it shows.
+        switched: Letters of the switches that are on, by listener.
     """
     builder = HudBuilder(scale)
-    names = max(map(builder.width, (title, *(level.listener for level in levels))))
+    names = max(map(builder.width, (title, *(level.title for level in levels))))
     layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
     if layout is None:
         return builder.build()
@@ -147,7 +145,7 @@ def meter_hud(
     y -= ROW
     for level in layout.shown:
         y -= ROW
-        _add_row(builder, (x, y), level, columns)
+        _add_row(builder, (x, y), level, columns, (switched or {}).get(level.listener, ""))
     if layout.hidden:
         y -= ROW
         builder.text(ui_text("and {} more", layout.hidden), (x, y + 4), FAINT_INK)
@@ -198,7 +196,7 @@ def _fitting(layout: _Layout, larger: _Layout, height: float) -> _Layout:
 
 def _strongest(levels: Sequence[Level], most: int) -> tuple[Level, ...]:
     """The strongest listeners, in their original order."""
-    chosen = sorted(range(len(levels)), key=lambda k: -levels[k].rms)[:most]
+    chosen = sorted(range(len(levels)), key=lambda k: -levels[k].margin)[:most]
     return tuple(levels[k] for k in sorted(chosen))
 
 
@@ -209,29 +207,24 @@ def _add_heads(builder: HudBuilder, corner: Place, title: str, columns: _ColumnW
     builder.text(builder.fitted(title, columns.name - 6), (x, base), INK)
     left = x + columns.name
     width = columns.bar - 8
-    for tick in (-60, -40, -20, 0) if columns.bar > 110 else (-60, 0) if columns.bar > 60 else ():
-        words = f"\N{MINUS SIGN}{-tick}" if tick else "0"
+    ticks = (LEAST, 0.0, 20.0, MOST) if columns.bar > 110 else (0.0,)
+    for tick in ticks:
+        words = f"{tick:+.0f}".replace("-", "\N{MINUS SIGN}") if tick else "0"
         half = builder.width(words, SMALL_TEXT) / 2
         place = min(max(left + place_of(tick) * width - half, left), left + width - half)
         builder.text(words, (place, base), FAINT_INK, SMALL_TEXT)
-    values = left + columns.bar
-    builder.text(
-        builder.fitted(iface_("Level", "Haptics"), LEVEL_WIDTH - 2, SMALL_TEXT),
-        (values, base),
-        FAINT_INK,
-        SMALL_TEXT,
-    )
-    if columns.margin:
-        words = builder.fitted(iface_("Margin", "Haptics"), MARGIN_WIDTH, SMALL_TEXT)
-        builder.text(words, (values + columns.level, base), FAINT_INK, SMALL_TEXT)
+    words = builder.fitted(iface_("Margin", "Haptics"), MARGIN_WIDTH, SMALL_TEXT)
+    builder.text(words, (left + columns.bar, base), FAINT_INK, SMALL_TEXT)
 
 
-def _add_row(builder: HudBuilder, corner: Place, level: Level, columns: _ColumnWidths) -> None:
-    """Add name, bar and values of a listener. The bar is the level, the white mark the peak, the
-    orange one the threshold of feeling."""
+def _add_row(
+    builder: HudBuilder, corner: Place, level: Level, columns: _ColumnWidths, switched: str
+) -> None:
+    """Add name, bar, margin and switches of a listener. The bar is the margin, the orange mark the
+    threshold of feeling. ``switched``: "S" where it is solo, "M" where it is muted."""
     x, y = corner
     base = y + 4
-    builder.text(builder.fitted(level.listener, columns.name - 6), (x, base), INK)
+    builder.text(builder.fitted(level.title, columns.name - 6), (x, base), INK)
     left = x + columns.name
     width = columns.bar - 8
     low = y + (ROW - BAR) / 2
@@ -239,25 +232,17 @@ def _add_row(builder: HudBuilder, corner: Place, level: Level, columns: _ColumnW
     builder.plate((left, low), (left + width, high), _TRACK, 2.0)
     if level.place > 0.01:
         builder.plate((left, low), (left + level.place * width, high), colour_of(level), 2.0)
-    if level.threshold is not None and FLOOR < level.threshold < 0:
-        place = left + place_of(level.threshold) * width
-        builder.plate(
-            (place - 0.8, low - 2),
-            (place + 0.8, high + 2),
-            _MARK,
-            0.0,
-        )
-    if level.peak > FLOOR:
-        place = left + place_of(level.peak) * width
-        builder.plate((place - 1.0, low), (place + 1.0, high), _WHITE, 0.0)
+    place = left + place_of(0.0) * width
+    builder.plate((place - 0.8, low - 2), (place + 0.8, high + 2), _MARK, 0.0)
     values = left + columns.bar
-    builder.text(builder.fitted(level.level_text(), LEVEL_WIDTH), (values, base), INK)
-    if columns.margin:
-        builder.text(
-            level.margin_text(),
-            (values + columns.level, base),
-            INK if level.is_felt else FAINT_INK,
-        )
+    ink = INK if level.is_felt else FAINT_INK
+    builder.text(level.margin_text(), (values, base), ink)
+    for number, switch in enumerate(SWITCHES):
+        is_on = switch in switched
+        place = values + MARGIN_WIDTH + number * SWITCH_WIDTH
+        builder.target((place, y), (place + SWITCH_WIDTH, y + ROW), level.listener, switch)
+        builder.text(switch, (place + 3, base), _MARK if is_on else _OFF, SMALL_TEXT)
+    builder.target((x, y), (x + columns.width, y + ROW), level.listener)
 
 
 def add_scope(builder: HudBuilder, corner: Place, extent: Size, scope: Scope) -> None:

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import Any
 
 import bpy
 from bpy.types import Context, Scene
 
 from ...core.scene.body_map import Spot
 from ...core.scene.values import MODES, Mode
+from ..blender.full_names import object_named
 from ..blender.time import is_playing
 from ..blender.words import ui_text
 from ..changes.events import file_changed
 from ..changes.redraw import SIDEBAR_TAB
 from ..session import sessions
-from .hud import Hud, Rectangle
+from .hud import Hud, Rectangle, Target, overlaps
 from .layout import corner_room, free_rectangle, is_main_view, pixels_per_point
 from .levels import STILL
-from .meter_layout import Scope, meter_hud
+from .meter_layout import SWITCHES, Scope, meter_hud
 from .screen import Recent, draw_flat, uploaded
 from .watched import levels_of, watched
 
@@ -29,9 +29,8 @@ _SHARE_ACROSS, _SHARE_UP = 0.25, 0.6
 _PANEL_SECONDS = 0.1
 
 
-_NOTHING: tuple[Any, Any, tuple[Rectangle, ...]] = (None, None, ())
-# By the region's address: the values that its meters were made from, these on the GPU, and what
-# they cover.
+# By the region's address: the values that its meters were made from, these on the GPU, and their
+# layout.
 _shown = Recent()
 _refreshed = Recent()  # time of the last redraw of a sidebar, by the region's address
 _redo_panels = Recent()  # places of the panel Adjust Last Operation, by the area's address
@@ -122,19 +121,29 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
     traced, levels = sessions.shown(scene), levels_of(scene)
     is_late = sessions.is_behind(scene) and not is_playing()
     title = ui_text("Tracing..." if is_late else MODES[Mode(scene.haptics.mode)][0])
+    switched = {level.listener: _switched(level.listener) for level in levels}
     key = (
         (traced and traced.serial, levels, spots, room, scale, corner, title, watched(scene)),
-        (chosen.show_scope, chosen.show_body, bpy.app.translations.locale),
+        (tuple(switched.items()), chosen.show_scope, chosen.show_body, bpy.app.translations.locale),
     )
-    known, batch, _ = _shown.get(region.as_pointer(), _NOTHING)
+    known, batch, _ = _shown.get(region.as_pointer(), (None, None, None))
     if known != key:
         free = free_rectangle(context)
         size = room[2] - room[0], min(room[3] - room[1], _SHARE_UP * (free[3] - free[1]))
         body = chosen.show_body
-        hud = meter_hud(levels, scope_of(scene), size, scale, title, body=body, spots=spots)
+        hud = meter_hud(
+            levels,
+            scope_of(scene),
+            size,
+            scale,
+            title,
+            body=body,
+            spots=spots,
+            switched=switched,
+        )
         hud = _in_corner(hud, corner, room)
         batch = uploaded(hud)
-        _shown[region.as_pointer()] = key, batch, hud.bounds
+        _shown[region.as_pointer()] = key, batch, hud
     draw_flat(batch, (region.width, region.height), scale)
 
 
@@ -150,8 +159,40 @@ def _in_corner(hud: Hud, corner: str, room: Rectangle) -> Hud:
 
 def occupied(context: Context) -> tuple[Rectangle, ...]:
     """The rectangles of the region that the meters cover."""
-    *_, bounds = _shown.get(context.region.as_pointer(), _NOTHING)
-    return bounds if context.scene.haptics.meters.show and is_main_view(context) else ()
+    hud = _layout_of(context)
+    return () if hud is None else hud.bounds
+
+
+def target_under(context: Context, mouse: tuple[float, float]) -> Target | None:
+    """What of the meters is under the mouse [pixels of the viewport]."""
+    hud = _layout_of(context)
+    at = (*mouse, *mouse)
+    found = (target for target in (() if hud is None else hud.targets) if overlaps(target.area, at))
+    return next(found, None)
+
+
+def _layout_of(context: Context) -> Hud | None:
+    """The meters of a viewport, None where there are none."""
+    if not (context.scene.haptics.meters.show and is_main_view(context)):
+        return None
+    *_, hud = _shown.get(context.region.as_pointer(), (None,))
+    return hud
+
+
+def switch(name: str, letter: str) -> None:
+    """Turn a switch of a listener over."""
+    obj = object_named(name)
+    if obj is not None:
+        listener = obj.haptics.listener
+        setattr(listener, SWITCHES[letter], not getattr(listener, SWITCHES[letter]))
+
+
+def _switched(name: str) -> str:
+    """The letters of a listener's switches that are on."""
+    obj = object_named(name)
+    if obj is None:
+        return ""
+    return "".join(key for key, held in SWITCHES.items() if getattr(obj.haptics.listener, held))
 
 
 for _kept in (_shown, _refreshed, _redo_panels):

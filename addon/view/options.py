@@ -19,7 +19,7 @@ def options_of(scene: Scene, result: FrameResult) -> Options:
     return Options(
         show_intra=haptics.show_intra,
         show_best_paths=haptics.show_best_paths,
-        show_labels=haptics.show_labels,
+        labelled=None if haptics.show_labels else listener,
         sources=frozenset(source.name for source in result.sources if _is_selected(source.name)),
         listeners=frozenset(
             listener.name for listener in result.listeners if _is_selected(listener.name)

@@ -29,11 +29,19 @@ from ..session.derived import Derived
 from . import inspection, meters, shader, touching_shape
 from .annotations import LegendSide, placed_annotations
 from .cues import cues_of
-from .layout import camera_frame, free_rectangle, is_main_view, pixels_per_point, redo_panels
+from .layout import (
+    camera_frame,
+    free_rectangle,
+    is_main_view,
+    navigation,
+    pixels_per_point,
+    redo_panels,
+)
 from .options import options_of
 from .quads import Quads, quads
 from .render_data import Options, RenderData, Size, render_data
 from .screen import Recent, draw_flat, uploaded
+from .watched import levels_of
 
 HIDDEN = 0.15  # opacity of parts hidden by objects, where the graph is not drawn in front
 PULSE_LENGTH = 0.8  # metres between two pulses of the signal flow
@@ -247,10 +255,11 @@ def draw_pixels() -> None:
             (region.width, region.height),
             pixels_per_point(context),
             free,
-            meters.occupied(context) + redo_panels(context),
+            meters.occupied(context) + redo_panels(context) + navigation(context),
             _legend_side(context),
             camera_frame(context),
             cues_of(context, np.array(seen), free) if scene.haptics.show_best_paths else (),
+            tuple((level.listener, level.title, level.margin_text()) for level in levels_of(scene)),
         )
         inspection.draw(context)
 

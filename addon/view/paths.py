@@ -15,17 +15,15 @@ from ..blender.time import is_playing
 from ..blender.words import ui_text
 from ..session.derived import Derived, Latest
 from ..session.sessions import Traced
-from .levels import LEVEL_SECONDS, basis_words, felt_samples, level_and_margin
+from .levels import LEVEL_SECONDS, felt_samples, level_and_margin
 from .watched import active_name, watched
 
 
 class ListenerPath(NamedTuple):
-    """The way to a listener from one of its sources, the listener's margin [dB], and whether that
-    assumes a threshold (``is_assumed``)."""
+    """The way to a listener from one of its sources, and the listener's margin [dB]."""
 
     fall: Waterfall
     margin: float
-    is_assumed: bool
 
 
 class PathRow(NamedTuple):
@@ -64,7 +62,6 @@ def listener_path(
     return ListenerPath(
         waterfall(result, traced.settings.mode, row, column, float(level), LEVEL_SECONDS),
         float(margin),
-        result.listeners[column].device is None,
     )
 
 
@@ -118,7 +115,7 @@ def rows(path: ListenerPath, by_loss: bool = False) -> list[PathRow]:
     if math.isfinite(path.margin):
         margin = round(path.margin, 1)
         shown += [
-            PathRow(basis_words(ui_text("Threshold of feeling"), path.is_assumed), level - margin),
+            PathRow(ui_text("Threshold of feeling"), level - margin),
             PathRow(iface_("Margin", "Haptics"), margin, is_sum=True),
         ]
     return shown

@@ -51,13 +51,13 @@ PARTED = 0.05
 
 @frozen
 class Options:
-    """Drawing options. ``sources`` and ``listeners``: selected names; if both are empty, nothing is
-    dimmed. ``highlight``: a listener, and the object whose part of the best paths to it is
-    highlighted."""
+    """Drawing options. ``labelled``: the name of what has a label, None for all. ``sources`` and
+    ``listeners``: selected names; if both are empty, nothing is dimmed. ``highlight``: a listener,
+    and the object whose part of the best paths to it is highlighted."""
 
     show_intra: bool = True
     show_best_paths: bool = True
-    show_labels: bool = True
+    labelled: str | None = None
     sources: frozenset[str] = frozenset()
     listeners: frozenset[str] = frozenset()
     highlight: tuple[str, str] | None = None
@@ -145,13 +145,10 @@ NO_LINES = lines_of(np.zeros((0, 2, 3)), HALO_COLOUR, 0.0, 0.0)
 
 @frozen
 class Label:
-    """A name at a place, and in ``colour`` (3,) the amplitude of a source or at a listener.
-    ``clearance`` [pixels] around the position is kept free. Labels of higher ``priority`` are
-    placed first."""
+    """The name of a source or listener at its place. ``clearance`` [pixels] around the position is
+    kept free. Labels of higher ``priority`` are placed first."""
 
     name: str
-    amplitude: float
-    is_listener: bool
     position: tuple[float, float, float]
     colour: tuple[float, float, float]
     clearance: float
@@ -194,7 +191,7 @@ def render_data(
         else NO_LINES,
         paths=paths if options.show_best_paths or not on_graph else NO_LINES,
         points=_points(result, spreading, scale, options, pairs),
-        labels=_labels(result, scale, options) if options.show_labels else (),
+        labels=_labels(result, scale, options),
         scale=scale,
     )
 
@@ -383,40 +380,23 @@ def _labels(result: FrameResult, scale: AmplitudeScale, options: Options) -> tup
         chosen = source.name in options.sources
         if chosen or source.kind is not SourceKind.TEMPORARY:
             colour = SOURCE_COLOUR if source.amplitude > 0 else SILENT_COLOUR
-            labels.append(
-                _label(source, source.amplitude, Symbol.SOURCE, colour, 20.0 + 4 * chosen)
-            )
+            labels.append(_label(source, Symbol.SOURCE, colour, 20.0 + 4 * chosen))
     received = listener_amplitudes(result, options)
     for listener, amplitude, colour in zip(
         result.listeners, received, _amplitude_colour(scale, received), strict=True
     ):
         chosen = listener.name in options.listeners
         if chosen or not options.listeners:
-            labels.append(
-                _label(
-                    listener,
-                    float(amplitude),
-                    Symbol.LISTENER,
-                    colour,
-                    10.0 * chosen + float(scale.place(amplitude)),
-                )
-            )
-    return tuple(labels)
+            priority = 10.0 * chosen + float(scale.place(amplitude))
+            labels.append(_label(listener, Symbol.LISTENER, colour, priority))
+    wanted = options.labelled
+    return tuple(label for label in labels if wanted is None or label.name == wanted)
 
 
-def _label(
-    item: Source | Listener, amplitude: float, shape: Symbol, colour: FloatArray, priority: float
-) -> Label:
+def _label(item: Source | Listener, shape: Symbol, colour: FloatArray, priority: float) -> Label:
     red, green, blue = colour.tolist()
-    return Label(
-        item.name,
-        amplitude,
-        shape is Symbol.LISTENER,
-        item.position,
-        (red, green, blue),
-        LOOKS[shape].size / 2,
-        priority,
-    )
+    size = LOOKS[shape].size / 2
+    return Label(item.name, item.position, (red, green, blue), size, priority)
 
 
 def _between(ends: tuple[float, float], place: FloatArray) -> FloatArray:

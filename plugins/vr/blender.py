@@ -61,7 +61,6 @@ class HAPTIC_OT_record_hands(Action):
 
 class HAPTIC_PT_vr(ScenePanel):
     bl_label = "In VR"
-    page = "vr"
 
     @classmethod
     def poll(cls, context: Context) -> bool:

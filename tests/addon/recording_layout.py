@@ -3,6 +3,7 @@ operators."""
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -19,6 +20,7 @@ class RecordingLayout:
         self.operators: list[str] = []
         self.operator_icons: list[str] = []
         self.menus: list[str] = []
+        self.popovers: list[str] = []
         self.icons: list[int] = []
 
     def column(self, **_: Any) -> RecordingLayout:
@@ -67,6 +69,7 @@ class RecordingLayout:
 
     def popover(self, panel: str, **_: Any) -> None:
         assert hasattr(bpy.types, panel)
+        self.popovers.append(panel)
 
     def template_ID(self, data: Any, name: str, **_: Any) -> None:
         assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"
@@ -98,6 +101,30 @@ class RecordingLayout:
     def menu(self, identifier: str, **_: Any) -> None:
         assert hasattr(bpy.types, identifier)
         self.menus.append(identifier)
+
+
+def controls(context: Any) -> list[str]:
+    """The buttons and fields of the sidebar's tab: of the headers and of the open panels, as the
+    panels draw them."""
+    found: list[str] = []
+    for panel in bpy.types.Panel.__subclasses__() + [
+        kind for base in bpy.types.Panel.__subclasses__() for kind in base.__subclasses__()
+    ]:
+        if (
+            getattr(panel, "bl_category", "") != "Haptics"
+            or not hasattr(panel, "bl_rna")
+            or not panel.is_registered
+            or (getattr(panel, "poll", None) is not None and not panel.poll(context))
+        ):
+            continue
+        layout = RecordingLayout()
+        for draw in ("draw_header", "draw_header_preset", "draw"):
+            if hasattr(panel, draw) and not (
+                draw == "draw" and "DEFAULT_CLOSED" in getattr(panel, "bl_options", ())
+            ):
+                getattr(panel, draw)(SimpleNamespace(layout=layout), context)
+        found += layout.properties + layout.operators + layout.menus + layout.popovers
+    return found
 
 
 class _OperatorProperties:

@@ -1,14 +1,12 @@
 """What menus and panels point to is there: a picture of every sample, material and signal, a page
-of every panel, operator and property."""
+of every operator and property."""
 
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 import bpy
-from haptic_tracing.addon.blender.documentation import manual_map, page_url
-from haptic_tracing.addon.panels.drawing import _PAGES as PAGES
-from haptic_tracing.addon.panels.drawing import HapticsPanel
-from haptic_tracing.addon.registration import classes, properties
+from haptic_tracing.addon.blender.documentation import manual_map
+from haptic_tracing.addon.registration import properties
 from haptic_tracing.core.scene.materials import MATERIALS
 from haptic_tracing.sample_scenes import SAMPLES
 
@@ -23,20 +21,6 @@ def test_every_choice_has_a_small_picture():
     found = {path.stem: path.stat().st_size for path in (ROOT / "addon" / "thumbnails").iterdir()}
     assert found.keys() == wanted
     assert max(found.values()) < LARGEST
-
-
-def test_every_panel_has_its_page():
-    modules = {
-        panel.__module__.rpartition(".")[2]
-        for panel in classes.CLASSES
-        if issubclass(panel, HapticsPanel)
-    }
-    pages = {PAGES.get(module, f"panels/{module}") for module in modules} | {"index", "tutorial"}
-    assert len(modules) > 8
-    assert [page for page in pages if not (ROOT / "docs" / f"{page}.md").is_file()] == []
-    assert all(
-        page_url(page).endswith((f"docs/{page}.md", f"manual/{page}.html")) for page in pages
-    )
 
 
 def test_every_operator_and_property_of_ours_has_a_page():

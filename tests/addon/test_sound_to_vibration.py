@@ -182,7 +182,7 @@ def test_the_same_sound_gives_the_same_vibration_and_is_heard_once(
 def test_it_is_played_in_a_scene_file_as_here(scene, convert, tmp_path):
     from haptic_tracing.core.formats import haptic_scene
 
-    convert(filepath=write_wav(tmp_path / "click.wav", click_at(0.4)), carrier="PITCH")
+    convert(filepath=write_wav(tmp_path / "click.wav", click_at(0.4)), carrier="PITCH", loop=True)
     bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "scene.json"))
     read = haptic_scene.read_export(tmp_path / "scene.json")
     assert read.scene.sources[0].signal == signal_of(scene)

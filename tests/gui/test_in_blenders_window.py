@@ -36,6 +36,11 @@ def test_height_of_the_sidebar(play):
     assert all(seen.values()), seen
 
 
+def test_ten_situations_show_few_buttons(play):
+    seen = played_through(play(SCENARIOS / "situations.py"))
+    assert all(seen.values()), seen
+
+
 def test_inspection_and_table(play):
     seen = played_through(play(SCENARIOS / "inspection.py"))
     assert all(seen.values()), seen

@@ -9,13 +9,12 @@ from haptic_tracing.addon.scene_reader.reading import Reading
 from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.comparison import mode_amplitudes
 from haptic_tracing.addon.view.levels import (
-    FLOOR,
-    Level,
     decibels,
     levels,
     margin_words,
     place_of,
     shown_levels,
+    titles,
 )
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.settings import ContactSettings
@@ -99,25 +98,16 @@ def test_levels_of_a_sine():
     result, history = played(40)
     felt, nothing = shown_levels(traced(result, history), True)
     amplitude = 0.5 * math.exp(-0.2)
-    assert felt.peak == pytest.approx(20 * math.log10(amplitude), abs=0.01)
     assert felt.rms == pytest.approx(20 * math.log10(amplitude / math.sqrt(2)), abs=0.01)
     assert felt.margin == pytest.approx(
         20 * math.log10(amplitude) - float(threshold_level(100.0)), abs=0.1
     )
-    assert felt.threshold == pytest.approx(
-        float(threshold_level(100.0)) - 10 * math.log10(2), abs=0.1
-    )
     assert felt.is_felt
-    assert (round(felt.peak), round(felt.rms)) == (-8, -11)
+    assert round(felt.rms) == -11
     assert felt.margin_text() == "+23 dB"
-    assert (nothing.peak, nothing.rms, nothing.margin, nothing.threshold) == (
-        -math.inf,
-        -math.inf,
-        -math.inf,
-        None,
-    )
+    assert (nothing.rms, nothing.margin) == (-math.inf, -math.inf)
     assert not nothing.is_felt
-    assert nothing.margin_text() == ""
+    assert (felt.verdict(), nothing.verdict()) == ("Felt: +23 dB", "Feels nothing")
 
 
 def test_too_weak_to_be_felt():
@@ -173,8 +163,6 @@ def test_a_still_shows_an_impact_of_its_own_frame():
     )
     assert still.is_felt
     assert still.rms > playing.rms + 10
-    amplitude = 0.5 * math.exp(-0.2)
-    assert still.peak == pytest.approx(20 * math.log10(amplitude), abs=0.1)
 
 
 def test_a_frame_of_a_track_reads_what_was_recorded():
@@ -188,13 +176,8 @@ def test_a_frame_of_a_track_reads_what_was_recorded():
 
 
 def test_places_and_texts():
-    assert [place_of(level) for level in (-math.inf, FLOOR, FLOOR / 2, 0.0, 6.0)] == [
-        0,
-        0,
-        0.5,
-        1,
-        1,
-    ]
+    places = [place_of(margin) for margin in (-math.inf, -20.0, 0.0, 10.0, 40.0, 60.0)]
+    assert places == pytest.approx([0, 0, 1 / 3, 0.5, 1, 1])
     assert [decibels(level) for level in (-math.inf, -11.6, -0.2, 0.0, 3.2)] == [
         "silent",
         "−12 dB",
@@ -204,11 +187,13 @@ def test_places_and_texts():
     ]
 
 
-def test_next_to_nothing_reads_as_silent_in_lists():
-    def text(rms):
-        return Level("hand", "", rms + 3, rms, rms + 45, -45.0).level_text()
+def test_titles_are_as_short_as_they_are_unique():
+    def titled(*named):
+        return titles([Listener(name, "plank", body_part=part) for name, part in named])
 
-    assert [text(rms) for rms in (-math.inf, -176.4, -119.0)] == ["silent", "silent", "−119 dB"]
+    left, right = ("Ann ear.L", "ear.L"), ("Ann ear.R", "ear.R")
+    assert titled(left, right, ("seat", "hips"), ("rod", "")) == ["ear.L", "ear.R", "seat", "rod"]
+    assert titled(left, ("Bob ear.L", "ear.L"), right) == ["Ann ear.L", "Bob ear.L", "ear.R"]
 
 
 def test_every_body_part_is_on_a_figure_and_mirrored():

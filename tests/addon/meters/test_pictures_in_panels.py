@@ -1,16 +1,38 @@
-"""The scope and the body map of the panel, pixel by pixel."""
+"""The scope and the body map, pixel by pixel."""
 
 import math
 
 import numpy as np
 import pytest
 from haptic_tracing.addon.view.levels import Level
-from haptic_tracing.addon.view.meter_layout import SCOPE_COLOUR, Scope, colour_of, full_scale, spans
-from haptic_tracing.addon.view.meter_pictures import body_picture, scope_picture
+from haptic_tracing.addon.view.meter_layout import (
+    SCOPE_COLOUR,
+    Scope,
+    add_body,
+    add_scope,
+    colour_of,
+    full_scale,
+    spans,
+)
+from haptic_tracing.addon.view.panel_picture import SIZE, Canvas
 from haptic_tracing.core.scene.body import BODY_PARTS
-from haptic_tracing.core.scene.body_map import HALF_WIDTH, figure
+from haptic_tracing.core.scene.body_map import HALF_WIDTH, HEIGHT, figure
 
 RATE = 8000.0
+
+
+def scope_picture(scope):
+    canvas = Canvas()
+    add_scope(canvas, (0.0, 0.0), (SIZE, SIZE), scope)
+    return canvas.painted()
+
+
+def body_picture(parts):
+    """Both figures, side by side over the width of the picture."""
+    canvas = Canvas()
+    height = SIZE * HEIGHT / (4 * HALF_WIDTH)
+    add_body(canvas, (0.0, (SIZE - height) / 2), height, parts, ())
+    return canvas.painted()
 
 
 def wave(pixels):
@@ -55,7 +77,7 @@ def test_scope_of_nothing_is_empty():
 
 @pytest.mark.parametrize("part", [part.name for part in BODY_PARTS])
 def test_a_body_part_lights_up_alone(part):
-    level = Level("x", part, -6.0, -9.0, 30.0, -39.0)
+    level = Level("x", "x", part, -9.0, 30.0)
     dark, lit = body_picture({}), body_picture({part: level})
     step = np.array(colour_of(level)[:3]) - dark[dark[..., 3] > 0.99][0, :3]
     changed = np.abs(lit - dark).max(axis=2) > 0.01

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from haptic_tracing.addon.view.colour_map import STEPS, AmplitudeScale, colour_table, decibel_text
+from haptic_tracing.addon.view.colour_map import STEPS, AmplitudeScale, colour_table
 from hypothesis import given
 from hypothesis import strategies as st
 from oklab import from_oklab, interpolated, oklab
@@ -86,18 +86,3 @@ def test_ticks_are_few_round_and_on_the_scale(floor):
 def test_gain_above_one_keeps_the_last_colour():
     scale = AmplitudeScale()
     assert np.array_equal(scale.colour(np.array([1.0, 7.0])), colour_table()[[-1, -1]])
-
-
-@pytest.mark.parametrize(
-    ("gain", "text"),
-    [
-        (0, "silent"),
-        (1, "0 dB"),
-        (0.1, "−20.0 dB"),
-        (2, "+6.0 dB"),
-        (0.999, "0 dB"),
-        (1e-5, "−100.0 dB"),
-    ],
-)
-def test_decibel_text(gain, text):
-    assert decibel_text(gain) == text

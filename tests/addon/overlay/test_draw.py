@@ -71,14 +71,14 @@ def test_selection_is_read_from_the_scene(scene, bridge, add_empty):
     bpy.context.view_layer.update()
     for obj in objects.values():
         obj.select_set(False)
-    assert options_of(scene, bridge) == Options()
+    assert options_of(scene, bridge) == Options(labelled="")
     objects["truck"].select_set(True)
     objects["walker"].select_set(True)
     assert options_of(scene, bridge) == Options(
-        sources=frozenset({"truck"}), listeners=frozenset({"walker"})
+        labelled="", sources=frozenset({"truck"}), listeners=frozenset({"walker"})
     )
-    scene.haptics.show_labels = False
-    assert not options_of(scene, bridge).show_labels
+    scene.haptics.show_labels = True
+    assert options_of(scene, bridge).labelled is None
 
 
 def test_handlers_come_and_go_any_number_of_times():

@@ -141,7 +141,7 @@ def test_annotations_name_what_is_there_and_keeps_within_what_is_free(scene, cam
 
 
 def test_legend_scales_with_the_user_interface(scene, camera, bridge):
-    data = render_data(bridge, BRIDGE.settings, Options(show_labels=False))
+    data = render_data(bridge, BRIDGE.settings, Options(labelled=""))
     size = (800.0, 600.0)
     one, two = (
         placed_annotations(data, _perspective(scene, camera), size, scale, (0.0, 0.0, *size))
