@@ -85,7 +85,8 @@ def test_the_core_plays_what_blender_plays(hammer, written, strategy):
     ):
         assert ours.number == theirs.number
         expected = gains(ours)
-        assert gains(theirs) == pytest.approx(expected, rel=1e-12, abs=1e-15)
+        # Contacts pass on by the place and size of their patches, which differ by rounding.
+        assert gains(theirs) == pytest.approx(expected, rel=1e-8, abs=1e-15)
         count += sum(source.kind is SourceKind.TEMPORARY for source in ours.sources)
     assert count > 0
 
