@@ -83,10 +83,7 @@ def _striking(known: FloatArray, now: Reading, last: frozenset[str]) -> FloatArr
     moved = (known != now.transforms).any(axis=(1, 2))
     moved |= [body.name in last for body in now.bodies]
     moved &= np.isfinite(known).all(axis=(1, 2))
-    moved &= [
-        body.is_weighed_by_volume or (body.motion is Motion.KINEMATIC and bool(body.mass))
-        for body in now.bodies
-    ]
+    moved &= [body.motion is Motion.KINEMATIC and bool(body.mass) for body in now.bodies]
     rows = moved.nonzero()[0]
     if not len(rows):
         return rows

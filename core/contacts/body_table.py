@@ -37,7 +37,7 @@ class BodyTable:
         small: (n,) gap up to which the body can touch [m], by the middle one of its extents: so a
             sheet counts by its width.
         rest_limits: (12, n) changes of the elements of a pose that count as rest.
-        mass: (n,) [kg], 0 of a body without; of what has it by its volume, that of its bounds.
+        mass: (n,) [kg], 0 of a body without.
         dynamic: (n,) which bodies a simulation moves.
         movable: (n,) which bodies yield to a blow: they have a mass, and move or are moved.
         full_energy: of blows of full strength where no rule says which that is [J].
@@ -61,15 +61,11 @@ class BodyTable:
         self.rest_limits = np.empty((12, count))
         self._set_sizes(slice(count), local)
         self.mass = np.array([body.mass or 0.0 for body in bodies], dtype=np.float64)
-        weighed = [k for k, body in enumerate(bodies) if body.is_weighed_by_volume]
-        given = self.mass.copy()
-        density = np.array([bodies[k].density for k in weighed])
-        self.mass[weighed] = 8 * self.extent[:, weighed].prod(axis=0) * density
         self.dynamic = np.array([body.motion is Motion.DYNAMIC for body in bodies], dtype=np.bool_)
         self.medium = np.array([body.medium for body in bodies], dtype=np.bool_)
         static = np.array([body.motion is Motion.STATIC for body in bodies], dtype=np.bool_)
         self.movable = (self.mass > 0) & ~static & ~self.medium
-        self.full_energy = full_energy_of(given[self.movable].tolist())
+        self.full_energy = full_energy_of(self.mass[self.movable].tolist())
         self.layers = np.array([body.struck_in for body in bodies], dtype=np.int64)
         number = {body.name: k for k, body in enumerate(bodies)} if passing else {}
         pairs = [[number[one], number[two]] for one, two in passing if {one, two} <= number.keys()]

@@ -33,17 +33,10 @@ def _energy(
     total = 0.0
     normal = hits.normal[k]
     for side, number in enumerate(hits.pairs[k].tolist()):
-        body = bodies[number]
-        velocity, spin = hits.velocities[k, side], hits.spins[k, side]
-        if not table.mass[number] or (
-            # What has no mass of its own, and stands, may be a part of a building.
-            body.is_weighed_by_volume and not velocity.any() and not spin.any()
-        ):
-            continue
-        inertia = inertia_of(body.shape)
-        mass = inertia.volume * body.density if body.is_weighed_by_volume else body.mass or 0.0
+        mass = float(table.mass[number])
         if not mass:
             continue
+        inertia = inertia_of(bodies[number].shape)
         turn = hits.poses[k, side, :9].reshape(3, 3)
         centre = turn @ inertia.centre
         moment = turn @ inertia.moment @ turn.T
@@ -53,7 +46,8 @@ def _energy(
                 twist = np.cross(arm, normal)
                 total += float(1.0 + twist @ np.linalg.pinv(moment, hermitian=True) @ twist) / mass
         else:
-            velocity = velocity + np.cross(spin, centre)
+            spin = hits.spins[k, side]
+            velocity = hits.velocities[k, side] + np.cross(spin, centre)
             total += mass * float(velocity @ velocity + spin @ moment @ spin) / 2
     if kind is ImpactEnergy.AS_IN_THE_PAPER:
         return total

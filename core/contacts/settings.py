@@ -15,10 +15,9 @@ from .shapes import Shape
 
 @frozen
 class Body:
-    """An object for the tracker. ``mass`` in kg, None if it has none; what animation moves then
-    strikes with that of its volume, by its ``density`` in kg/m^3, 0 if that is unknown. ``medium``:
-    a volume (air, water) that touches what it overlaps; a mesh then stands for its hull.
-    ``material``: its name in tables of rules. ``layers``: of collision, as bits."""
+    """An object for the tracker. ``mass`` in kg, None if it has none. ``medium``: a volume (air,
+    water) that touches what it overlaps; a mesh then stands for its hull. ``material``: its name in
+    tables of rules. ``layers``: of collision, as bits."""
 
     name: str
     shape: Shape
@@ -27,20 +26,12 @@ class Body:
     medium: bool = False
     material: str = ""
     layers: int = ALL_LAYERS
-    density: float = 0.0
 
     @classmethod
     def of(cls, item: HapticObject, shape: Shape) -> Body:
         """A haptic object with the shape that it has now."""
         named = item.name, shape, item.mass, item.motion, item.medium, item.material
-        weighed = item.mass is None and item.motion is Motion.KINEMATIC and not item.medium
-        density = getattr(item.propagation, "density", 0.0) if weighed else 0.0
-        return cls(*named, item.layers, density)
-
-    @property
-    def is_weighed_by_volume(self) -> bool:
-        """Whether the mass follows from volume and density."""
-        return self.mass is None and self.density > 0
+        return cls(*named, item.layers)
 
     @property
     def struck_in(self) -> int:
