@@ -512,7 +512,7 @@ def build_graph(
     order = node_object.argsort(kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    partner, contact = _inter_connections(rank, count)
+    partner, contact, side = _inter_connections(rank, count)
     frames = frames or ObjectFrames.unknown(len(table.names))
     forces = _forces(table, contacts, frames, gravity)
     loss, band_gains, delay = _transmissions(table, contacts, frames, forces)
@@ -528,7 +528,7 @@ def build_graph(
         node_position=node_position.take(order, axis=1).T,  # each coordinate contiguous
         partner=partner,
         contact=contact,
-        side=np.where(contact >= 0, partner < np.arange(len(partner)), 0),
+        side=side,
         transmission_loss=loss,
         weight=contacts.weight,
         contact_band_gains=band_gains,
@@ -605,16 +605,18 @@ def _source_nodes(
     )
 
 
-def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray]:
-    """Partner and contact (n,) of each node, -1 if it has none. ``rank`` (n,): the nodes' numbers,
-    first those of the ``count`` contacts' first nodes, then of their second nodes, then the
-    rest."""
+def _inter_connections(rank: IntArray, count: int) -> tuple[IntArray, IntArray, IntArray]:
+    """Partner and contact (n,) of each node, -1 if it has none, and the side of the contact that it
+    lies on. ``rank`` (n,): the nodes' numbers, first those of the ``count`` contacts' first nodes,
+    then of their second nodes, then the rest."""
     partner, contact = np.full((2, len(rank)), -1, dtype=np.int64)
+    side = np.zeros(len(rank), dtype=np.int64)
     first = rank[:count]
     second = rank[count : 2 * count]
     partner[first], partner[second] = second, first
     contact[first] = contact[second] = np.arange(count)
-    return partner, contact
+    side[second] = 1
+    return partner, contact, side
 
 
 def graph_of_scene(scene: HapticScene) -> HapticGraph:
@@ -757,8 +759,8 @@ def _transmissions(
     if (contacts.weight < 1).any():
         with np.errstate(divide="ignore"):
             losses = losses - np.log(contacts.weight)
-    both = np.stack([losses, losses], axis=1)
-    bands = None if band_gains is None else np.stack([band_gains] * 2, axis=1)
+    both = losses[:, None].repeat(2, axis=1)
+    bands = None if band_gains is None else band_gains[:, None].repeat(2, axis=1)
     passed = passed_by_bodies(table.bodies, contacts, frames)
     if passed is not None:
         most = passed.max(axis=2)

@@ -14,10 +14,20 @@ m(x, y) >= A(x) + m(x, y) = E(e) + a + m(e, x) + m(x, y) >= E(e) + a + m(e, y)``
 inequality. So once a cheap entry has been taken, each other entry of the object drops out with one
 comparison. The argument does not cover y = e: that single connection matters only where the object
 beyond the contact of e has a function of another form, and is examined there.
+
+Where waves spread, more entries drop out, those of a ground on which bodies conduct better than
+itself. Let E(x) be less than A(x) - a. It can lower the cost of y only if the detour ``m(e, x) +
+m(x, y) - m(e, y)`` is less than ``A(x) - a - E(x)``. As m is a concave function of distance, the
+detour grows with the distance from x to y, and is least where x lies between e and y. Where even
+that of a node as near as the nearest one is too long, x drops out.
+
+Where few connections are examined at a time, as along a chain, a heap of entries is faster than
+arrays.
 """
 
 from __future__ import annotations
 
+import heapq
 import math
 from collections.abc import Sequence
 
@@ -26,6 +36,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray, ranges
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
+from .spacing import spacing
 
 LIMIT = math.log(1e6)
 """Cost at which the search ends: -120 dB."""
@@ -33,6 +44,16 @@ LIMIT = math.log(1e6)
 BATCH = 1 << 15
 """Connections examined in one step: enough to outweigh its overhead, few enough that later entries
 gain from earlier ones."""
+
+TINY = 2000
+"""With up to so many connections in all rows the heap is faster from the beginning."""
+
+SPARSE = 300
+"""Once the steps so far have examined fewer connections each on average, and the graph has no more
+than so many for each step, the heap is faster."""
+
+SLACK = 1e-9
+"""Relative error of costs that is far above that of rounding."""
 
 
 @frozen
@@ -78,10 +99,19 @@ def shortest_paths(
     node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
     search = _Search(graph, len(roots), bands, targets, backwards, limit)
     pending = row, node, np.zeros(len(node))
+    connections = int((search.size - 1).sum())
+    steps = 0
     while len(pending[0]):
+        is_sparse = max(search.examined, connections) < SPARSE * steps
+        if is_sparse or len(roots) * connections <= TINY:
+            search.one_by_one(*pending)
+            break
         now, later = search.cheapest(*pending)
+        if len(now[0]) == 0:
+            break
         reached = search.inside(*now)
         pending = search.across(*reached, later)
+        steps += 1
     return search.result()
 
 
@@ -115,42 +145,84 @@ class _Search:
         self.entry = np.full(rows * self.count, -1, dtype=np.int64)
         used = sorted(set(bands or ()))
         views = [graph.in_band(band) for band in used] or [graph]
-        self.loss = np.concatenate([view.table.loss for view in views])
-        self.decay = np.concatenate([view.table.decay for view in views])
+        index = graph.node_object
+        self.loss = np.concatenate([view.table.loss[index] for view in views])
+        self.decay = np.concatenate([view.table.decay[index] for view in views])
         self.crossing = np.concatenate([view.crossing_costs(backwards) for view in views])
         self.lane = np.array([used.index(band) for band in bands or ()] or [0] * rows)
+        self.first = graph.start[index]  # of each node's object the first node, and their number
+        self.size = graph.start[index + 1] - self.first
         self.special = np.zeros(len(graph.table.names), dtype=np.bool_)
         self.special[list(graph.table.special)] = True
+        self.targets = targets
+        self.spacing: FloatArray | None = None  # made when it is worth it
         self.sought: IntArray | None = None
         if targets is not None:
             size = np.array([len(nodes) for nodes in targets])
             self.sought = np.concatenate(targets)
             self.sought += (np.arange(rows) * self.count).repeat(size)
             self.first_sought = size.cumsum() - size
-        self.examined = 0
+        self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
+        self.examined = self.due = 0
+
+    def distances(self, begin: IntArray, other: IntArray) -> FloatArray:
+        """`HapticGraph.node_distances`, but 0 below 1e-154 m, whose square is 0."""
+        if self.is_vast:
+            return self.graph.node_distances(begin, other)
+        x, y, z = (places[begin] - places[other] for places in self.graph.node_position.T)
+        apart: FloatArray = np.sqrt(x * x + y * y + z * z)
+        reach = self.graph.reach
+        return apart if reach is None else np.maximum(apart - (reach[begin] + reach[other]), 0.0)
 
     def cheapest(self, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[Entries, Entries]:
         """The cheapest of the pending entries, as many as a step examines, and the others. Those
         that improve nothing drop out."""
         graph = self.graph
         place = row * self.count + node
-        index = graph.node_object[node]
-        base = cost + self.loss[self.lane[row] * len(self.special) + index]
+        base = cost + self.loss[self.lane[row] * self.count + node]
         useful = self.arrival[place] > base
         if graph.table.special:
-            useful |= self.special[index] | self._returns(place)
+            useful |= self.special[graph.node_object[node]] | self._returns(place)
         # Others have become cheaper since, or are of no interest any more.
         useful &= (cost <= self.entering[place]) & (cost <= self.limits[row])
         kept = useful.nonzero()[0]
         row, node, cost = row[kept], node[kept], cost[kept]
-        work = graph.size_around(node).cumsum()
+        work = self.size[node].cumsum()
+        if len(work) and work[-1] > BATCH and not graph.table.special:
+            kept = self._improving(row, node, base[kept])
+            row, node, cost = row[kept], node[kept], cost[kept]
+            work = self.size[node].cumsum()
         if len(work) == 0 or work[-1] <= BATCH:
             return (row, node, cost), (row[:0], node[:0], cost[:0])
         order = np.lexsort((node, row, cost))
-        work = graph.size_around(node[order]).cumsum()
+        work = self.size[node[order]].cumsum()
         count = max(1, int(work.searchsorted(BATCH, side="right")))
         now, later = order[:count], order[count:]
         return (row[now], node[now], cost[now]), (row[later], node[later], cost[later])
+
+    def _improving(self, row: IntArray, node: IntArray, base: FloatArray) -> IntArray:
+        """Numbers of those entries that may lower costs in their object, given by row, node, and
+        cost with the constant loss of the object (k,)."""
+        graph = self.graph
+        spreading = graph.table.spreading
+        if spreading is None or self.is_vast:
+            return np.arange(len(row))
+        if self.spacing is None:
+            self.spacing = spacing(graph)
+        place = row * self.count + node
+        before = self.entry[place]
+        known = (before >= 0) & (self.spacing[node] > 0)
+        if graph.fronts is not None:
+            run = graph.fronts[0]
+            known &= (run[node] == 0) & (run[before] == 0)
+        chosen = known.nonzero()[0]
+        nodes = node[chosen]
+        detour = spreading.detour(
+            graph.node_object[nodes], self.distances(before[chosen], nodes), self.spacing[nodes]
+        )
+        arrival = self.arrival[place[chosen]]
+        known[chosen] = base[chosen] + detour > arrival + SLACK * (1 + arrival)
+        return np.asarray((~known).nonzero()[0])
 
     def _returns(self, place: IntArray) -> BoolArray:
         """Whether the object beyond the entry from which a place was reached is a special one."""
@@ -164,51 +236,116 @@ class _Search:
     ) -> tuple[IntArray, IntArray, FloatArray]:
         """Go on from entries to all other nodes of their objects. Returns row, node and cost of
         those that have become cheaper."""
-        graph = self.graph
-        index = graph.node_object[node]
-        size = graph.size_around(node) - 1
-        which = np.arange(len(row)).repeat(size)
-        other = ranges(graph.start[index], size)
-        other += other >= node[which]
-        begin = node[which]
+        size, other = self.others(node)
+        candidate = self.costs(self.lane[row], node, size, other)
+        candidate += cost.repeat(size)
         self.examined += len(other)
-        lane = self.lane[row] * len(self.special) + index
-        candidate = (cost + self.loss[lane])[which]
-        distance = graph.node_distances(begin, other)
-        candidate += self.decay[lane][which] * distance
-        if graph.table.spreading is not None:
-            candidate += graph.table.spreading.cost(
-                index[which], distance, graph.ends(begin, other)
-            )
-        for number in set(index.tolist()) & graph.table.special:
-            chosen = (index[which] == number).nonzero()[0]
-            with np.errstate(divide="ignore"):
-                candidate[chosen] = cost[which[chosen]] - np.log(
-                    graph.table.gain(number, distance[chosen])
-                )
-        self.cut[row[which[(candidate > self.limit).nonzero()[0]]]] = True
-        place = (row * self.count)[which] + other
+        begin = node.repeat(size)
+        place = (row * self.count).repeat(size)
+        place += other
+        beyond = candidate > self.limit
+        if beyond.any():
+            self.cut[place[beyond] // self.count] = True
         better = (candidate < self.arrival[place]).nonzero()[0]
         place, begin, candidate = place[better], begin[better], candidate[better]
         # Several connections to one node: the cheapest wins, among equal ones that from the lowest
         # entry.
         np.minimum.at(self.arrival, place, candidate)
         cheapest = (candidate == self.arrival[place]).nonzero()[0]
-        better, place, begin = better[cheapest], place[cheapest], begin[cheapest]
-        self.entry[place] = self.count
-        np.minimum.at(self.entry, place, begin)
-        better = better[self.entry[place] == begin]
-        place = (row * self.count)[which[better]] + other[better]
-        return row[which[better]], other[better], self.arrival[place]
+        place, begin, candidate = place[cheapest], begin[cheapest], candidate[cheapest]
+        self.entry[place] = begin
+        if (self.entry[place] != begin).any():
+            np.minimum.at(self.entry, place, begin)
+            first = (self.entry[place] == begin).nonzero()[0]
+            place, candidate = place[first], candidate[first]
+        row, node = np.divmod(place, self.count)
+        return row, node, candidate
+
+    def others(self, node: IntArray) -> tuple[IntArray, IntArray]:
+        """Of nodes (k,) the numbers (k,) of other nodes of their objects, and these (m,)."""
+        size = self.size[node] - 1
+        other = ranges(self.first[node], size)
+        other += other >= node.repeat(size)
+        return size, other
+
+    def costs(
+        self, lane: IntArray | int, node: IntArray, size: IntArray, other: IntArray
+    ) -> FloatArray:
+        """Costs (m,) of the connections from nodes (k,), of each in its ``lane``, to `others`."""
+        graph = self.graph
+        place = lane * self.count + node
+        begin = node.repeat(size)
+        distance = self.distances(begin, other)
+        cost: FloatArray = self.decay[place].repeat(size)
+        cost *= distance
+        cost += self.loss[place].repeat(size)
+        if graph.table.spreading is not None:
+            index = graph.node_object[node].repeat(size)
+            cost += graph.table.spreading.cost(index, distance, graph.ends(begin, other))
+        for number in graph.table.special:
+            chosen = (graph.node_object[node] == number).repeat(size)
+            with np.errstate(divide="ignore"):
+                cost[chosen] = -np.log(graph.table.gain(number, distance[chosen]))
+        return cost
+
+    def one_by_one(self, row: IntArray, node: IntArray, cost: FloatArray) -> None:
+        """Go on from the pending entries one after the other, with a heap, to the end."""
+        graph = self.graph
+        every = np.arange(self.count)
+        size, other = self.others(every)
+        others, partner = other.tolist(), graph.partner.tolist()
+        first = [0, *size.cumsum().tolist()]
+        inside: dict[int, list[float]] = {}
+        for number in sorted(set(row.tolist())):
+            lane = int(self.lane[number])
+            if lane not in inside:
+                inside[lane] = self.costs(lane, every, size, other).tolist()
+            mine = row == number
+            part = slice(number * self.count, (number + 1) * self.count)
+            arrival, entry = self.arrival[part].tolist(), self.entry[part].tolist()
+            part = slice(lane * self.count, (lane + 1) * self.count)
+            crossing, loss = self.crossing[part].tolist(), self.loss[part].tolist()
+            sought = set() if self.targets is None else set(self.targets[number].tolist())
+            limit = float(self.limits[number])
+            queue = sorted(zip(cost[mine].tolist(), node[mine].tolist(), strict=True))
+            settled: set[int] = set()
+            cut = False
+            while queue and queue[0][0] <= limit:
+                near, begin = heapq.heappop(queue)
+                useful = arrival[begin] > near + loss[begin] or graph.table.special
+                if begin in settled or not useful:
+                    continue
+                settled.add(begin)
+                connections = range(first[begin], first[begin + 1])
+                self.examined += len(connections)
+                is_nearer = False
+                for connection in connections:
+                    end, far = others[connection], near + inside[lane][connection]
+                    if far < arrival[end]:
+                        arrival[end], entry[end] = far, begin
+                        is_nearer |= end in sought
+                        far += crossing[end]
+                        if far <= limit:
+                            heapq.heappush(queue, (far, partner[end]))
+                    cut = cut or (far > limit and (partner[end] >= 0 or end in sought))
+                if is_nearer:  # no more than what each target costs now is of interest
+                    limit = min(limit, max(arrival[k] for k in sought))
+            part = slice(number * self.count, (number + 1) * self.count)
+            self.arrival[part], self.entry[part] = arrival, entry
+            self.cut[number] |= cut
 
     def across(self, row: IntArray, node: IntArray, cost: FloatArray, later: Entries) -> Entries:
         """Go on from nodes over their contacts. Returns the new entries beside the pending ones."""
-        if self.sought is not None:  # no more than what each target costs now is of interest
+        # No more than what each target costs now is of interest. Many are asked more rarely.
+        if self.sought is not None and self.examined >= self.due:
+            self.due = self.examined + len(self.sought)
             dearest = np.maximum.reduceat(self.arrival[self.sought], self.first_sought)
             np.minimum(self.limits, dearest, out=self.limits)
         cost = cost + self.crossing[self.lane[row] * self.count + node]
         node = self.graph.partner[node]
-        self.cut[row[((cost > self.limit) & (node >= 0)).nonzero()[0]]] = True
+        beyond = (cost > self.limit) & (node >= 0)
+        if beyond.any():
+            self.cut[row[beyond]] = True
         place = row * self.count + node
         go = ((cost <= self.limits[row]) & (cost < self.entering[place])).nonzero()[0]
         row, node, cost = row[go], node[go], cost[go]

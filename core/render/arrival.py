@@ -26,10 +26,8 @@ def signal_gains(sources: Sequence[Source], propagation: Propagation) -> FloatAr
     if propagation.band_gain is None:
         return propagation.gain
     gain = propagation.band_gain
-    power = np.array([_band_power(source.emitted) for source in sources]).reshape(
-        -1, 1, BAND_COUNT, BAND_COUNT
-    )
-    squared = ((gain[:, :, :, None] * power).sum(axis=2) * gain).sum(axis=2)
+    power = np.array([_band_power(source.emitted) for source in sources])
+    squared = ((gain @ power.reshape(-1, BAND_COUNT, BAND_COUNT)) * gain).sum(axis=2)
     return np.asarray(np.sqrt(np.maximum(squared, 0.0)))
 
 

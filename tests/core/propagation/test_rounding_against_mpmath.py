@@ -48,9 +48,10 @@ def physical_gain(
     function: Physical, k: mpmath.mpf, distance: mpmath.mpf, sizes: list[mpmath.mpf]
 ) -> mpmath.mpf:
     """Spreading by the areas of fronts, which begin with the sizes of patches and end where the
-    body is filled; damping at the centre of the lowest band, scaled by ln K / ln K0."""
+    body is filled; damping at the centre of the lowest band, scaled by ln K / ln K0; and the factor
+    min(1, K / K0)."""
     if k <= 0:
-        return mpmath.mpf(distance == 0)
+        return mpmath.mpf(0)
     radius, thickness, extent, speed = map(
         mpmath.mpf,
         (
@@ -75,7 +76,8 @@ def physical_gain(
     ends = [max(radius, size) for size in sizes]
     largest = max(*ends, min(distance + sum(ends) / 2, filled))
     spread = mpmath.sqrt(area(ends[0]) * area(ends[1])) / area(largest)
-    return mpmath.exp(-damping * distance) * mpmath.sqrt(spread)
+    dial = min(1, k / mpmath.mpf(function.material_k))
+    return dial * mpmath.exp(-damping * distance) * mpmath.sqrt(spread)
 
 
 def exact_gain(
