@@ -32,7 +32,7 @@ def plugins() -> dict[str, ModuleType]:
 
 
 def offered(kind: str) -> list[Any]:
-    """What the plug-ins offer of a kind: "formats", "devices" or "exports"."""
+    """What the plug-ins offer of a kind: "formats", "devices", "players" or "exports"."""
     return [item for plugin in plugins().values() for item in getattr(plugin, kind.upper(), ())]
 
 

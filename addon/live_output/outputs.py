@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ...core.arrays import FloatArray
-from ...core.devices import guard, loopback
+from ...core.devices import guard
 from ...core.devices.guard import DeviceOutput
-from ...core.devices.inventory import Found, Inventory, look
+from ...core.devices.inventory import Found, Inventory, cancel, look
 from ...core.devices.mapping import ActuatedDevice
 from ...core.devices.profiles import Adjustment, Calibration
 from ..properties.live_output import HapticDeviceProperties
@@ -191,7 +191,7 @@ def silence() -> None:
 def disconnect_all() -> None:
     """All devices to zero, released and closed, without waiting for them; a running search for
     devices is abandoned."""
-    loopback.cancel()
+    cancel()
     for key in tuple(_state.running):
         disconnect(key)
 

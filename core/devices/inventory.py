@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 from ..frozen import frozen
+from ..plugins import offered
 from .connection import (
     Connected,
     StandInModule,
@@ -20,7 +23,6 @@ from .families.family import Interface
 from .force_feedback import ForceFeedbackModule, event_nodes, force_feedback_profile
 from .guard import DeviceOutput
 from .mapping import ActuatedDevice
-from .network import bhaptics, intiface
 from .profile_files import load_profiles
 from .profiles import Adjustment, Profile
 from .sound_card import sound_cards, sound_module
@@ -72,7 +74,9 @@ def look(
     if with_sound_cards:
         looks.append(_sound_cards)
     if with_players:
-        looks += [partial(_players, lambda: [bhaptics()]), partial(_players, intiface)]
+        looks += [
+            partial(_players, find) for module in _player_modules() for find in module.SEARCHES
+        ]
     devices: list[Found] = []
     for search in looks:
         try:
@@ -169,6 +173,17 @@ def _sound_cards() -> list[Found]:
         )
         for card in sound_cards(sound_module())
     ]
+
+
+def cancel() -> None:
+    """Abandon the running search for players. Thread-safe."""
+    for module in _player_modules():
+        module.cancel()
+
+
+def _player_modules() -> list[ModuleType]:
+    """The modules of plug-ins that find the devices of haptic players."""
+    return [import_module(name) for name in offered("players")]
 
 
 def _players(look: Callable[[], Iterable[tuple[Profile, StandInModule]]]) -> list[Found]:

@@ -27,9 +27,7 @@ from haptic_tracing.addon.scene_reader import kept_impacts, kept_signal
 from haptic_tracing.command_line import build_parser, main, part_file
 from haptic_tracing.command_line.serve.conversation import Conversation
 from haptic_tracing.command_line.sweep import study
-from haptic_tracing.core.devices import network
 from haptic_tracing.core.devices.connection import DeviceError
-from haptic_tracing.core.devices.loopback import Player, messages_of
 from haptic_tracing.core.devices.profile_files import BUILT_IN, parse_profile
 from haptic_tracing.core.formats import haptic_scene, registry
 from haptic_tracing.core.formats.io import catalogue
@@ -38,6 +36,8 @@ from haptic_tracing.core.propagation import Propagation
 from haptic_tracing.core.scene.functions.checking import check_expression
 from haptic_tracing.core.scene.functions.modulation import Expression
 from haptic_tracing.core.scene.values import Listener, Source
+from haptic_tracing.plugins.players import network
+from haptic_tracing.plugins.players.loopback import Player, messages_of
 
 CORPUS = Path(__file__).parents[2] / "core" / "formats" / "corpus"
 CRASHERS = Path(__file__).with_name("crashers")

@@ -160,8 +160,9 @@ def test_sound_cards_are_offered_when_wanted_and_what_is_missing_is_said(hid, sc
     assert outputs.found("sound card Cushion").device.channels == 2
 
 
+@pytest.mark.plugins
 def test_players_are_looked_for_only_when_wanted(hid, scene, monkeypatch):
-    from haptic_tracing.core.devices import loopback, network
+    from haptic_tracing.plugins.players import loopback, network
 
     def nobody(url):
         asked.append(url)

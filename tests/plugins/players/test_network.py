@@ -10,11 +10,16 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from fake_hid import until
-from haptic_tracing.core.devices import inventory, loopback, network
+from haptic_tracing.core.devices import inventory
 from haptic_tracing.core.devices.connection import DeviceError
-from haptic_tracing.core.devices.loopback import ANSWER_WITHIN, LARGEST_MESSAGE, websockets_client
-from haptic_tracing.core.devices.network import bhaptics, intiface
 from haptic_tracing.core.devices.writer import DeviceWriter
+from haptic_tracing.plugins.players import loopback, network
+from haptic_tracing.plugins.players.loopback import (
+    ANSWER_WITHIN,
+    LARGEST_MESSAGE,
+    websockets_client,
+)
+from haptic_tracing.plugins.players.network import bhaptics, intiface
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
@@ -495,8 +500,8 @@ def test_a_player_that_fails_takes_no_other_device_away(server, monkeypatch):
     other is found."""
     wrong = server(kind=Telling, said=["[" * 20_000])
     right = server()
-    monkeypatch.setattr(inventory, "bhaptics", lambda: bhaptics(right.url))
-    monkeypatch.setattr(inventory, "intiface", lambda: intiface(wrong.url))
+    searches = lambda: (bhaptics(right.url),), lambda: intiface(wrong.url)
+    monkeypatch.setattr(network, "SEARCHES", searches)
     found = inventory.look(with_players=True)
     assert "player bHaptics Player" in [device.key for device in found.devices]
     assert [problem for problem in found.problems if problem.startswith("Intiface")]

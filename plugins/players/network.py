@@ -11,21 +11,25 @@ import itertools
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 
-from ..formats.io.error import FormatError
-from ..formats.io.schema import validate
-from ..forms import Form, JsonObject
-from ..scene.bhaptics import DEVICES, region
-from ..scene.body import BODY_PARTS
-from .connection import DeviceError, StandInModule
-from .families.family import RESEND, RumbleFamily, any_interface
-from .loopback import Connection, Player, player_module
-from .profiles import Actuator, Calibration, DriveChannel, Profile
-from .report import Report, Tones, Transport
+from ...core.devices.connection import DeviceError, StandInModule
+from ...core.devices.families.family import RESEND, RumbleFamily, any_interface
+from ...core.devices.profiles import Actuator, Calibration, DriveChannel, Profile
+from ...core.devices.report import Report, Tones, Transport
+from ...core.formats.io.error import FormatError
+from ...core.formats.io.schema import validate
+from ...core.forms import Form, JsonObject
+from ...core.scene.bhaptics import DEVICES, region
+from ...core.scene.body import BODY_PARTS
+from .loopback import Connection, Player, cancel, player_module
+
+__all__ = ["SEARCHES", "cancel"]
 
 BHAPTICS = "ws://127.0.0.1:15881/v2/feedbacks?app_id=haptic-tracing&app_name=Haptic%20Tracing"
 INTIFACE = "ws://127.0.0.1:12345"
 
+_SCHEMA = Path(__file__).with_name("intiface.schema.json")
 _INTERVAL = 0.05
 # Number of pings within the server's time-out, after which it stops its devices; two of them may be
 # late.
@@ -137,7 +141,7 @@ def _checked(content: JsonObject, kind: str) -> JsonObject:
     """A message of Intiface as ``intiface.schema.json`` defines it. Raises DeviceError with the
     place of a fault."""
     try:
-        validate({kind: content}, "intiface", "Intiface")
+        validate({kind: content}, _SCHEMA, "Intiface")
     except FormatError as error:
         raise DeviceError(str(error)) from None
     return content
@@ -257,3 +261,10 @@ def _profile(
         for (name, places), position in zip(parts.items(), positions, strict=False)
     )
     return Profile(family.name, family.title, family, True, None, 20.0, 0.7, 10.0, actuators)
+
+
+SEARCHES: tuple[Callable[[], Iterable[tuple[Profile, StandInModule]]], ...] = (
+    lambda: (bhaptics(),),
+    intiface,
+)
+"""Each finds the devices of a player, or raises DeviceError."""

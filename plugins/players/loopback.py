@@ -19,11 +19,11 @@ from time import monotonic
 from typing import Any
 from urllib.parse import urlsplit
 
-from ..formats.io.strict_json import parse_json
-from ..forms import Form, JsonObject
-from ..frozen import frozen
-from .connection import DeviceError, StandInModule, carried_module
-from .families.family import HidDevice, Interface
+from ...core.devices.connection import DeviceError, StandInModule, carried_module
+from ...core.devices.families.family import HidDevice, Interface
+from ...core.formats.io.strict_json import parse_json
+from ...core.forms import Form, JsonObject
+from ...core.frozen import frozen
 
 ANSWER_WITHIN = 2.0
 """Time-out of a player for opening a connection and for an answer [s]."""

@@ -1,0 +1,3 @@
+"""Haptic players on this computer: bHaptics Player and Intiface."""
+
+PLAYERS = (f"{__name__}.network",)
