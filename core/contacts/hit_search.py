@@ -11,7 +11,7 @@ from ..frozen import frozen
 from .body_poses import BodyPoses
 from .body_table import BodyTable
 from .candidates import DISTANCE, NORMAL, ON_LARGER, Candidates, placed
-from .impacts import Hits, confirmed, landings
+from .impacts import SWUNG, Hits, confirmed, landings
 from .motion import HITCH, Paths
 from .narrow.frames import dot, relative_pose, turned, turned_back
 from .near_pairs import NearPairs
@@ -133,6 +133,7 @@ class HitSearch:
         those that land with it. ``last``: the values of all pairs in the last frame."""
         table = self.table
         rows = rows[~pairs.one_of(table.medium)[rows]]
+        rows = rows[self._swings(pairs.larger[rows], pairs.smaller[rows])]
         if len(rows) == 0:
             return Hits.none()
         bodies = pairs.bodies(rows)
@@ -172,6 +173,17 @@ class HitSearch:
         centre = added_by(pair[with_it], hits.centre[order[with_it]].T, len(first))
         count = np.bincount(pair[with_it], minlength=len(first))
         return replace(fastest, centre=(centre / count).T)
+
+    def _swings(self, larger: IntArray, smaller: IntArray) -> BoolArray:
+        """Which pairs (k,) have moved against each other so fast that a part may land."""
+        turn, offset = self._before(larger, smaller)
+        now = relative_pose(self.poses.pose[:, larger], self.poses.pose[:, smaller])
+        change = now[0] - turn
+        turned_by = np.sqrt((change * change).sum(axis=(0, 1)) / 2)
+        way = now[1] - offset
+        reach = self.table.reach[smaller] + np.sqrt(dot(offset, offset))
+        least = SWUNG * min(self.paths.duration, self.paths.earlier_duration)
+        return np.asarray(np.sqrt(dot(way, way)) + reach * turned_by > least / 2)
 
     def _corners_before(
         self, bodies: IntArray, last: FloatArray, limit: FloatArray

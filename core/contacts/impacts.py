@@ -26,7 +26,7 @@ _PIVOT = 0.38
 point has swung down at constant speed (which leaves 1/2) rather than rolled down (which leaves
 1/4)."""
 
-_SWUNG = 0.5
+SWUNG = 0.5
 """Least speed [m/s] at which a part swings down to hit; corners of a faceted wheel and trembling
 bodies come down more slowly."""
 
@@ -187,7 +187,7 @@ def landings(
     turn = np.sqrt((spin * spin).sum(axis=0)) * paths.duration
     approach = np.maximum(start / paths.duration, (before - start) / paths.earlier_duration)
     swung = (start > apart) & (half >= _PIVOT * start) & (turn < _MOST_TURN) & (away > start)
-    rows = np.flatnonzero(swung & (approach > _SWUNG))
+    rows = np.flatnonzero(swung & (approach > SWUNG))
     if len(rows) == 0:
         return Hits.none()
     pairs = pairs[rows]
