@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import bpy
 from bpy.types import Context, Object
 
 from ...core.scene.body import BODY_PART, DEFAULT_LISTENERS, PAPER_LISTENERS, BodyPart
 from ...core.scene.materials import MATERIALS
-from ..authoring import body_kit, materials
-from ..blender.polling import LINKED, SOLID_TYPES, UNDO, OnActive, editable, is_editable
+from ..authoring import body_kit, footsteps, materials
+from ..blender.polling import LINKED, SOLID_TYPES, UNDO, Edit, OnActive, editable, is_editable
 from ..blender.words import TranslatedError
-from ..properties.kinds import choice
+from ..properties.kinds import choice, text
 from ..scene_reader.roles import haptic_carrier
 from .materials import BODY_ITEMS
+from .tagging import add_physics, make_haptic
 
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
 
@@ -103,6 +105,44 @@ class HAPTIC_OT_add_default_listeners(OnActive):
             and context.scene.haptics.strategy != "as_in_the_paper"
         ):
             materials.set_bodies([body], self.body)
+
+
+class HAPTIC_OT_add_footsteps(Edit):
+    """Let the steps of the character be felt: its body, and what its feet come to in the frames of the scene, become haptic, and its body gets listeners"""
+
+    bl_label = "Footsteps"
+
+    armature: text("Armature", "The character; that of the active object where empty")
+
+    def apply(self, context: Context) -> None:
+        scene = context.scene
+        active = context.object
+        armature = scene.objects.get(self.armature) or (active and body_kit.armature_of(active))
+        if armature is None:
+            raise TranslatedError("Select the armature or the mesh of a character")
+        body = next(iter(editable(body_kit.skins(armature))), armature)
+        with context.temp_override(object=body, active_object=body):
+            bpy.ops.haptic.add_default_listeners()
+        known = body_kit.listeners_on(armature)
+        feet = [known[name] for name in ("foot.L", "foot.R") if name in known]
+        if not feet:
+            raise TranslatedError("'{}' has no bones of feet", armature.name)
+        skins = [skin for skin in body_kit.skins(armature) if skin.data.vertices]
+        if not any(child.rigid_body for child in armature.children):
+            soles = [footsteps.add_sole(foot, skins[0], context.collection) for foot in feet]
+            materials.make_haptic(scene, dict.fromkeys(soles, MATERIALS["flesh"]))
+            add_physics(context, soles, footsteps.STRIKING)
+            for sole in soles:
+                sole.rigid_body.kinematic = True
+            footsteps.add_rules(scene, armature, skins[0])
+        scene.haptics.impacts = True
+        ground = footsteps.ground_of(scene, armature, feet)
+        make_haptic(scene, editable(ground))
+        if ground:
+            names = ", ".join(obj.name for obj in ground[:5])
+            self.tell("Steps of '{}' on {}: press play", armature.name, names)
+        else:
+            self.warn("'{}' walks on nothing: no mesh is under its feet", armature.name)
 
 
 def _new(body: Object, wanted: tuple[BodyPart, ...]) -> list[BodyPart]:

@@ -9,7 +9,7 @@ from bpy.types import Context, Object, Scene
 from mathutils import Vector
 
 from ...core.scene.materials import is_wide_and_flat
-from ..authoring import materials
+from ..authoring import body_kit, materials
 from ..authoring.signals import signal_for
 from ..blender.polling import (
     SOLID_TYPES,
@@ -65,6 +65,8 @@ class HAPTIC_OT_make_objects(OnSelected):
 
     def apply(self, context: Context) -> None:
         chosen = context.selected_objects
+        moved = [skin for obj in chosen if obj.type == "ARMATURE" for skin in body_kit.skins(obj)]
+        chosen = list(dict.fromkeys([*chosen, *moved]))
         solid = [obj for obj in editable(with_instanced(chosen)) if obj.type in SOLID_TYPES]
         if not solid:
             instancer = next((obj for obj in editable(chosen) if obj.instance_collection), None)
@@ -84,7 +86,7 @@ class HAPTIC_OT_make_objects(OnSelected):
         if self.options.is_invoke and self.guess and len(new) > max(_FEW, 2 * known):
             bpy.ops.haptic.match_materials("INVOKE_DEFAULT")
         if self.physics:
-            _add_physics(context, solid)
+            add_physics(context, solid)
         if len(new) > known:
             words = "Made haptic: {}. Taken for plastic: {}; choose the material in Selected Object"
             self.tell(words, len(solid), len(new) - known)
@@ -93,8 +95,9 @@ class HAPTIC_OT_make_objects(OnSelected):
             self.tell(words, len(solid), known)
 
 
-def _add_physics(context: Context, objects: list[Object]) -> None:
-    """Add rigid bodies to meshes without one: wide and flat ones are passive, the others active."""
+def add_physics(context: Context, objects: list[Object], mass: float = 0.0) -> None:
+    """Add rigid bodies to meshes without one: active ones of a ``mass`` [kg]; where that is 0, of
+    1 kg, and wide and flat ones passive."""
     new = [obj for obj in objects if obj.rigid_body is None and obj.type == "MESH"]
     if not new:
         return
@@ -111,8 +114,9 @@ def _add_physics(context: Context, objects: list[Object]) -> None:
         if obj.rigid_body is None:
             world.collection.objects.link(obj)
         body: Any = obj.rigid_body
-        body.type = "PASSIVE" if is_wide_and_flat(tuple(obj.dimensions * metres)) else "ACTIVE"
-        body.mass = metres**-3  # 1 kg
+        is_floor = not mass and is_wide_and_flat(tuple(obj.dimensions * metres))
+        body.type = "PASSIVE" if is_floor else "ACTIVE"
+        body.mass = (mass or 1.0) * metres**-3
 
 
 class HAPTIC_OT_add_source(OnActive):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from bpy.types import Context, Scene, UILayout
 
-from ...core.message import Chain, written
+from ...core.message import Cause, Chain, written
 from ..bake import playback, storage
 from ..blender.time import is_playing
 from ..blender.words import show, show_pair, ui_text
@@ -15,7 +15,7 @@ from ..translations.sentences import sentence
 from ..view import doubtful_scale, explanation, levels, paths, watched
 from .cures import draw_cure, draw_remedy
 from .drawing import draw_problems, select_button
-from .hints import Hint, next_step, of_units
+from .hints import Hint, next_step, of_units, striking_nothing
 from .quick_start import HAPTIC_PT_quick_start
 from .texts import draw_lines, draw_sentence, fitted, source_title
 
@@ -52,7 +52,7 @@ def draw_answer(layout: UILayout, context: Context) -> None:
     if problems:
         words = problems[0].message
     elif level is not None:
-        words = _first_words(reasons) if level.is_silent else _origin(scene, level)
+        words = _first_words(scene, reasons) if level.is_silent else _origin(scene, level)
     is_fine = level is not None and level.is_felt and not problems
     icon = "ERROR" if problems else "BLANK1" if is_fine else "INFO"
     used = draw_lines(column, words, icon, lines) if words else 0
@@ -78,10 +78,16 @@ def _watched_level(scene: Scene) -> levels.Level | None:
     return next((level for level in watched.levels_of(scene) if level.listener == name), None)
 
 
-def _first_words(why: explanation.Explanation) -> str:
+def _lacks_source(why: explanation.Explanation) -> bool:
+    return why.is_current and any(reason.cause is Cause.NO_SOURCE for reason in why.reasons)
+
+
+def _first_words(scene: Scene, why: explanation.Explanation) -> str:
     """The first reason for silence."""
     if not why.is_current:
         return ui_text("Looking for reasons...")
+    if _lacks_source(why) and (walker := striking_nothing(scene)) is not None:
+        return walker[1]
     return sentence(why.reasons[0]) if why.reasons else why.notice
 
 
@@ -90,10 +96,10 @@ def _draw_verdict(layout: UILayout, level: levels.Level) -> None:
     split = layout.split(factor=_NAMES)
     row = split.row()
     row.alignment = "LEFT"
-    name = fitted(level.title, _NAMES, icon=True)
-    select_button(row, level.listener, name, icon="OUTLINER_OB_LIGHTPROBE", emboss=False)
+    name = fitted(level.title, _NAMES, icon=True, button=True)
     icon = "CHECKMARK" if level.is_felt else "ERROR"
-    show(split, level.verdict(), icon)
+    select_button(row, level.listener, name, icon=icon, emboss=False)
+    show(split, level.verdict())
 
 
 def _origin(scene: Scene, level: levels.Level) -> str:
@@ -123,6 +129,9 @@ def _draw_cure(
         return bool(hint.operators)
     if level is not None and not level.is_silent and not level.is_felt:
         row.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
+        return True
+    if _lacks_source(why) and (walker := striking_nothing(context.scene)) is not None:
+        row.operator("haptic.add_footsteps", icon="MOD_DYNAMICPAINT").armature = walker[0]
         return True
     return bool(why.is_current and why.reasons) and draw_cure(row, context, why.reasons[0])
 

@@ -7,6 +7,7 @@ import math
 from bpy.types import Scene
 
 from ...core.frozen import frozen
+from ..authoring import body_kit
 from ..blender.units import metres_per_unit
 from ..blender.words import ui_text
 from ..scene_reader import roles, settings
@@ -49,6 +50,20 @@ def next_step(scene: Scene) -> Hint | None:
     else:
         return None
     return Hint(words, is_in_quick_start=True)
+
+
+def striking_nothing(scene: Scene) -> tuple[str, str] | None:
+    """The first animated armature that strikes nothing, and why; None if there is none."""
+    for obj in scene.objects:
+        if obj.type != "ARMATURE" or obj.animation_data is None:
+            continue
+        own = {*body_kit.skins(obj), *obj.children_recursive}
+        if not any(part.haptics.enabled for part in own):
+            return obj.name, ui_text("Nothing strikes: no object of '{}' is haptic", obj.name)
+        if all(part in own or not part.haptics.enabled for part in scene.objects):
+            words = ui_text("'{}' strikes nothing: what it walks on is not haptic", obj.name)
+            return obj.name, words
+    return None
 
 
 def of_units(scene: Scene) -> Hint | None:

@@ -16,6 +16,7 @@ _SELECTION = (
     ("haptic.add_source", "OUTLINER_OB_FORCE_FIELD"),
     ("haptic.add_listener", "OUTLINER_OB_LIGHTPROBE"),
     ("haptic.add_default_listeners", "OUTLINER_OB_ARMATURE"),
+    ("haptic.add_footsteps", "MOD_DYNAMICPAINT"),
     ("haptic.clear", "X"),
 )
 _MATERIALS = (

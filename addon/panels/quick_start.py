@@ -45,7 +45,7 @@ class HAPTIC_PT_quick_start(SidebarPanel):
             is_first = is_first and is_done
         row = layout.row(align=True)
         row.prop(preferences(), "show_quick_start", text="Skip", toggle=True, invert_checkbox=True)
-        row.menu("HAPTIC_MT_samples", text="Samples")
+        row.menu("HAPTIC_MT_samples")
 
 
 def steps(context: Context) -> Iterator[tuple[str, bool]]:

@@ -30,6 +30,8 @@ class HAPTIC_PT_roles(SidebarPanel):
         several = len(context.selected_objects) > 1
         if obj.type == "ARMATURE":
             layout.prop(haptics, "body")
+            if not any(skin.haptics.enabled for skin in body_kit.skins(obj)):
+                layout.operator("haptic.make_objects", icon="OUTLINER_OB_META")
         elif _draw_role(
             layout, haptics, "object", "haptic.make_objects", "OUTLINER_OB_META", several
         ):
@@ -49,9 +51,12 @@ class HAPTIC_PT_roles(SidebarPanel):
             several,
         ):
             draw_each(layout.column(align=True), haptics.listener, "body_part", "gain")
-        body = body_kit.armature_of(obj) or obj
+        armature = body_kit.armature_of(obj)
+        body = armature or obj
         if not body_kit.listeners_on(body) and not haptics.listener.enabled:
             layout.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
+        if armature is not None:
+            layout.operator("haptic.add_footsteps", icon="MOD_DYNAMICPAINT")
 
 
 def _draw_role(

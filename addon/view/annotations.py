@@ -196,7 +196,7 @@ def _placed_legend(
         ((_, _, width, height),) = legend.bounds
         left = round(free[0] + margin if at_left else free[2] - margin - width)
         bottoms = [free[1], *(top for _, _, _, top in occupied)]
-        for bottom in sorted(round(edge + margin) for edge in bottoms):
+        for bottom in sorted(round(edge + margin) for edge in bottoms)[: 1 if some else None]:
             place = left, bottom, left + width, bottom + height
             inside = (
                 left >= free[0]

@@ -61,6 +61,10 @@ class Level:
         """The margin with its sign: "+23 dB", "−5 dB"; a dash for silence."""
         return margin_words(self.margin) or "\N{EM DASH}"
 
+    def words(self) -> str:
+        """The margin, or that nothing is felt."""
+        return self.verdict() if self.is_silent else self.margin_text()
+
     def verdict(self) -> str:
         """Whether something is felt, and by how much."""
         if self.is_silent:

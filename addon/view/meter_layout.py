@@ -16,7 +16,7 @@ from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
 from ..blender.words import ui_text
 from .colour_map import colour_table
 from .hud import FAINT_INK, INK, SMALL_TEXT, Hud, HudBuilder
-from .levels import LEAST, MOST, Level, place_of
+from .levels import LEAST, Level, place_of
 from .render_data import SOURCE_COLOUR, Place, Size
 
 Colour = tuple[float, ...]
@@ -26,7 +26,7 @@ PADDING, GAP = 8.0, 8.0
 ROW, BAR = 17.0, 9.0
 MARGIN_WIDTH, SWITCH_WIDTH = 48.0, 15.0
 LEAST_NAME_WIDTH, NAME_WIDTH = 48.0, 130.0
-LEAST_BAR_WIDTH, BAR_WIDTH = 34.0, 150.0
+LEAST_BAR_WIDTH, BAR_WIDTH = 60.0, 150.0
 LEAST_SCOPE_WIDTH, SCOPE_HEIGHT = 120.0, 58.0
 FIGURE_HEIGHT = 140.0
 MOST_ROWS = 12
@@ -207,7 +207,7 @@ def _add_heads(builder: HudBuilder, corner: Place, title: str, columns: _ColumnW
     builder.text(builder.fitted(title, columns.name - 6), (x, base), INK)
     left = x + columns.name
     width = columns.bar - 8
-    ticks = (LEAST, 0.0, 20.0, MOST) if columns.bar > 110 else (0.0,)
+    ticks = (LEAST, 0.0, 20.0) if columns.bar > 90 else (0.0,)
     for tick in ticks:
         words = f"{tick:+.0f}".replace("-", "\N{MINUS SIGN}") if tick else "0"
         half = builder.width(words, SMALL_TEXT) / 2

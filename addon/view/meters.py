@@ -24,8 +24,9 @@ from .screen import Recent, draw_flat, uploaded
 from .watched import levels_of, watched
 
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
-# Parts of the viewport's width, and of the height of its free part.
-_SHARE_ACROSS, _SHARE_UP = 0.25, 0.6
+# Parts of the viewport's width, the greater one where the least width [points] needs it, and of the
+# height of its free part.
+_SHARE_ACROSS, _MOST_ACROSS, _LEAST_WIDTH, _SHARE_UP = 0.25, 0.45, 290.0, 0.6
 _PANEL_SECONDS = 0.1
 
 
@@ -116,7 +117,9 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
     depend on."""
     region, chosen, scale = context.region, scene.haptics.meters, pixels_per_point(context)
     corner: str = chosen.corner
-    width, margin = _SHARE_ACROSS * region.width, _MARGIN * scale
+    margin = _MARGIN * scale
+    width = max(_SHARE_ACROSS * region.width, _LEAST_WIDTH * scale)
+    width = min(width, _MOST_ACROSS * region.width)
     room = corner_room(context, corner, width, scale, margin)
     traced, levels = sessions.shown(scene), levels_of(scene)
     is_late = sessions.is_behind(scene) and not is_playing()

@@ -259,7 +259,7 @@ def draw_pixels() -> None:
             _legend_side(context),
             camera_frame(context),
             cues_of(context, np.array(seen), free) if scene.haptics.show_best_paths else (),
-            tuple((level.listener, level.title, level.margin_text()) for level in levels_of(scene)),
+            tuple((level.listener, level.title, level.words()) for level in levels_of(scene)),
         )
         inspection.draw(context)
 

@@ -123,7 +123,11 @@ def controls(context: Any) -> list[str]:
                 draw == "draw" and "DEFAULT_CLOSED" in getattr(panel, "bl_options", ())
             ):
                 getattr(panel, draw)(SimpleNamespace(layout=layout), context)
-        found += layout.properties + layout.operators + layout.menus + layout.popovers
+        # Blender draws the switch of a popover's header beside it.
+        switches = [
+            name for name in layout.popovers if hasattr(getattr(bpy.types, name), "draw_header")
+        ]
+        found += layout.properties + layout.operators + layout.menus + layout.popovers + switches
     return found
 
 

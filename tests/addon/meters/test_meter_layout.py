@@ -74,14 +74,14 @@ def test_values_are_there_as_text():
         "±0.316",
         "−20",
         "0",
-        "+40",
+        "+20",
     } <= set(texts)
 
 
 def test_elements_without_room_are_left_out_in_order():
     full = meter_hud(LEVELS, SCOPE, (1200, 600), 1.0)
     narrow = meter_hud(LEVELS, SCOPE, (250, 600), 1.0)
-    narrower = meter_hud(LEVELS, SCOPE, (180, 600), 1.0)
+    narrower = meter_hud(LEVELS, SCOPE, (204, 600), 1.0)
     lower = meter_hud(LEVELS, SCOPE, (300, 18 * ROW), 1.0)
     low = meter_hud(LEVELS, SCOPE, (300, 7 * ROW), 1.0)
     assert all("+35 dB" in _texts(shown) for shown in (full, narrow, narrower, low))
