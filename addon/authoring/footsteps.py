@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import bmesh
 import bpy
 import numpy as np
 from bpy.types import Collection, Object, Scene
 from mathutils import Matrix
 
-from ...sample_scenes import geometry
 from ..blender.polling import receiving
 from ..blender.units import metres_per_unit
 from ..blender.words import report_text
@@ -48,8 +48,11 @@ def add_sole(foot: Object, skin: Object, collection: Collection) -> Object:
     low, high = points.min(axis=0), points.max(axis=0)
     high[2] = low[2] + _THICKNESS / metres_per_unit(foot.users_scene[0])
     name = f"{armature.name} sole.{bone}"
-    box = geometry.box(tuple(high - low))
-    sole = bpy.data.objects.new(name, geometry.to_mesh(name, box, ()))
+    mesh, box = bpy.data.meshes.new(name), bmesh.new()
+    bmesh.ops.create_cube(box, size=1.0, matrix=Matrix.Diagonal((*(high - low), 1.0)))
+    box.to_mesh(mesh)
+    box.free()
+    sole = bpy.data.objects.new(name, mesh)
     receiving(collection).objects.link(sole)
     sole.display_type, sole.hide_render = "BOUNDS", True
     sole.parent, sole.parent_type, sole.parent_bone = armature, "BONE", bone
