@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.types import Context, Object
 
@@ -133,7 +135,8 @@ class HAPTIC_OT_add_footsteps(Edit):
             materials.make_haptic(scene, dict.fromkeys(soles, MATERIALS["flesh"]))
             add_physics(context, soles, footsteps.STRIKING)
             for sole in soles:
-                sole.rigid_body.kinematic = True
+                moved: Any = sole.rigid_body
+                moved.kinematic = True
             footsteps.add_rules(scene, armature, skins[0])
         scene.haptics.impacts = True
         ground = footsteps.ground_of(scene, armature, feet)
