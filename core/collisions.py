@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field, replace
 from functools import cached_property
 from time import perf_counter
@@ -34,7 +34,7 @@ from .scene.functions import ModulationFunction
 from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
-from .scene.values import Source, TriggerKind
+from .scene.values import Source
 from .unchanged import Unchanged
 
 """Strategies whose gains depend on nothing beside the paths from sources to listeners."""
@@ -261,13 +261,12 @@ class CollisionDetector:
         events: Events,
     ) -> FrameContacts:
         """The contacts between bodies, and the impacts since the frame before."""
-        hits = _has_hit_triggers(frame.sources)
         found = tracker.update(
             frame.time,
             frame.placed,
-            self._endpoints(frame, numbering.row, rules.uses_force or hits, events),
+            self._endpoints(frame, numbering.row, rules.uses_force, events),
             frame.continuous,
-            frame.struck is None and (self.settings.impacts or hits),
+            frame.struck is None and self.settings.impacts,
             frame.exact,
             frame.motion,
         )
@@ -395,13 +394,6 @@ class _Numbering:
     def bounds(self) -> FloatArray:
         """The bodies' local bounding boxes (n, 2, 3)."""
         return local_bounds([body.shape for body in self.bodies])
-
-
-def _has_hit_triggers(sources: Sequence[Source]) -> bool:
-    """Whether impacts of objects trigger any of the sources."""
-    return any(
-        trigger.on is TriggerKind.HIT for source in sources for trigger in source.triggers or ()
-    )
 
 
 def _asks_for_frames(

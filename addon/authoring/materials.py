@@ -20,7 +20,7 @@ from ..blender.units import metres_per_unit
 from ..changes.suspension import suspended
 from ..properties import materials
 from ..properties.declared import held_values, write_values
-from ..properties.materials import SHARED, HapticMaterial, add_material, values_of
+from ..properties.materials import HapticMaterial, add_material, values_of
 from ..properties.object import HapticObjectProperties
 from ..scene_reader.objects import mass_of
 from .sizes import Sizes
@@ -44,11 +44,7 @@ def spread_all_around(haptics: Any, radius: float) -> None:
 
 def preset_values(material: Material) -> dict[str, object]:
     """The values of a preset, in the form of the library."""
-    values = {name: getattr(material, name) for name in SHARED if name != "use_bands"}
-    return {
-        **values,
-        "use_bands": False,
-    }  # initially only the paper's function, whose gains the overlay shows
+    return {"kappa": material.kappa, "rho": material.rho}
 
 
 def preset_in(scene: Scene, material: Material) -> HapticMaterial:

@@ -19,7 +19,6 @@ from ...core.scene.values import (
     Listener,
     Source,
     SourceKind,
-    TriggerKind,
 )
 from ..blender.full_names import object_named
 from ..blender.single_precision import shortest
@@ -123,9 +122,7 @@ def within(scene: HapticScene, names: Collection[str]) -> HapticScene:
         scene,
         objects=objects,
         contacts=tuple(item for item in scene.contacts if left.issuperset(pair_of(item))),
-        sources=tuple(
-            _triggered_within(item, left) for item in scene.sources if _is_within(item, names, left)
-        ),
+        sources=tuple(item for item in scene.sources if _is_within(item, names, left)),
         listeners=tuple(
             item for item in scene.listeners if item.name in names and item.object in left
         ),
@@ -140,17 +137,6 @@ def _is_within(source: Source, names: Collection[str], objects: Collection[str])
     return source.name in names or source.rubs or source.kind is SourceKind.TEMPORARY
 
 
-def _triggered_within(source: Source, objects: Collection[str]) -> Source:
-    if not source.triggers:
-        return source
-    return replace(
-        source,
-        triggers=tuple(
-            t for t in source.triggers if t.on is not TriggerKind.PASSING or t.object in objects
-        ),
-    )
-
-
 def _by_name(items: Any) -> tuple[Any, ...]:
     return tuple(sorted(items, key=lambda item: item.name))
 
@@ -159,9 +145,7 @@ def _source(item: Source) -> Source:
     return (
         item
         if not item.triggers
-        else replace(
-            item, triggers=tuple(t for t in item.triggers if t.on is not TriggerKind.LEVEL)
-        )
+        else replace(item, triggers=tuple(t for t in item.triggers if t.value is None))
     )
 
 

@@ -11,7 +11,7 @@ from ...core.scene.library import LibraryMaterial
 from ...core.scene.values import HapticObject
 from ..blender.single_precision import authored
 from ..properties.declared import read_values
-from ..properties.materials import HapticMaterial, own_values
+from ..properties.materials import HapticMaterial, values_of
 
 
 def written_materials(
@@ -28,7 +28,10 @@ def written_materials(
     others = [
         LibraryMaterial(
             name,
-            **{key: authored(value) for key, value in own_values(bpy.data.objects[owner]).items()},
+            **{
+                key: authored(value)
+                for key, value in values_of(bpy.data.objects[owner].haptics).items()
+            },
         )
         for name, owner in named.items()
         if name not in items and owner in bpy.data.objects

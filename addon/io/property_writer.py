@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...core.scene.values import HapticObject, Listener, Source, TriggerKind
+from ...core.scene.values import HapticObject, Listener, Source
 from ...core.signals import DEFAULT_PERSISTENT, Decay, Product, Signal
 from ..blender.single_precision import shortest
 from ..properties.declared import write_values
@@ -23,13 +23,10 @@ def write_body(haptics: Any, item: HapticObject) -> None:
     if is_known:
         write_values(haptics, function)
         write_values(haptics, function.spectrum)
-        haptics.material.use_bands = bool(function.spectrum.band_decays)
-        if function.spectrum.band_decays:
-            write_values(haptics.material, function.spectrum)
 
 
 def write_source(source: Any, item: Source) -> None:
-    """Set a source's properties to ``item``. Of its triggers, only blows can be set."""
+    """Set a source's properties to ``item``, without its triggers."""
     source.enabled = True
     write_values(source, item)
     signal, source.decay = _without_decay(item.signal or DEFAULT_PERSISTENT)
@@ -39,7 +36,6 @@ def write_source(source: Any, item: Source) -> None:
     else:
         source.signal, source.frequency = known
     source.one_shot = item.triggers is not None
-    source.trigger_hit = any(trigger.on is TriggerKind.HIT for trigger in item.triggers or ())
 
 
 def write_listener(listener: Any, item: Listener) -> None:

@@ -124,17 +124,13 @@ def taken(scene: Scene, sound: Any) -> str:
 
 
 def _feel(sound: Any) -> Feel:
-    numbers = {
-        name: shortest(getattr(sound, name))
-        for name in ("frequency", "gate", "gain", "release", "bursts")
-    }
+    frequency = shortest(sound.frequency)
     if sound.carrier == "DEVICE":
         known = device_profiles().get(sound.device)
         if known is None:
             raise TranslatedError("there is no device profile '{}'", sound.device)
-        numbers["frequency"] = known.best_frequency
-    low, high = sorted(map(shortest, sound.band))
-    return Feel(pitch=sound.carrier == "PITCH", band=(low, high), **numbers)
+        frequency = known.best_frequency
+    return Feel(frequency, sound.carrier == "PITCH", gain=shortest(sound.gain))
 
 
 def _waves(found: Heard, feel: Feel) -> str:

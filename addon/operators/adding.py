@@ -119,7 +119,6 @@ def _spread_as_front(scene: Scene, medium: Object, radius: float) -> None:
         haptics.wave_speed = speed
     else:
         material.wave_speed = material.wave_speed or speed
-        material.use_delay = True
 
 
 class HAPTIC_OT_add_medium(Edit):

@@ -19,7 +19,7 @@ from ..blender.polling import (
 from ..blender.progress import progress
 from ..blender.words import TranslatedError, show
 from ..properties.kinds import choice, switch, text
-from ..properties.materials import PRESET_ITEMS, TARGET_ITEMS, add_material, made_of, own_values
+from ..properties.materials import PRESET_ITEMS, TARGET_ITEMS, add_material, made_of, values_of
 from ..scene_reader.instances import with_instanced
 
 _MOST_ROWS = 30
@@ -204,7 +204,9 @@ class HAPTIC_OT_new_material(OnActive):
 
     def apply(self, context: Context) -> None:
         obj = context.object
-        item = add_material(context.scene, obj.haptics.material.name or obj.name, own_values(obj))
+        item = add_material(
+            context.scene, obj.haptics.material.name or obj.name, values_of(obj.haptics)
+        )
         library.apply([obj], item)
 
 

@@ -212,15 +212,6 @@ class HAPTIC_OT_set_gravity(Edit):
         scene.gravity = down * (9.81 / metres_per_unit(scene))
 
 
-class HAPTIC_OT_impacts_in_units(Edit):
-    """Judge the energy of impacts as if a unit were a metre, as Blender's physics does, instead of by the unit scale"""
-
-    bl_label = "Impacts in Units"
-
-    def apply(self, context: Context) -> None:
-        context.scene.haptics.impacts_in_units = True
-
-
 class HAPTIC_OT_realize_instances(OnSelected):
     """Make the instances of the selected objects objects of their own: each can then be edited, and be a source or feel by itself"""
 

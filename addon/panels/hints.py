@@ -69,11 +69,9 @@ def striking_nothing(scene: Scene) -> tuple[str, str] | None:
 def of_units(scene: Scene) -> Hint | None:
     """What the user should decide about gravity at the unit scale; None if it is about that of
     Earth."""
-    haptics = scene.haptics
     if (
         not roles.is_any_tagged(scene)
-        or not haptics.impacts
-        or haptics.impacts_in_units
+        or not scene.haptics.impacts
         or scene.rigidbody_world is None
         or metres_per_unit(scene) == 1.0
     ):
@@ -83,7 +81,7 @@ def of_units(scene: Scene) -> Hint | None:
         return None
     return Hint(
         ui_text("Gravity: {:.3g} m/s²", fall),
-        (("haptic.set_gravity", "FORCE_FORCE"), ("haptic.impacts_in_units", "CON_SIZELIKE")),
+        (("haptic.set_gravity", "FORCE_FORCE"),),
     )
 
 

@@ -12,14 +12,7 @@ from ...core.scene.materials import MATERIALS
 from .drawing import ScenePanel, draw_held
 from .thumbnails import cell
 
-_WITH_OBJECTS = (
-    "kappa",
-    "rho",
-    "use_delay",
-    "wave_speed",
-    "use_bands",
-    "band_decays",
-)
+_WITH_OBJECTS = ("kappa", "rho", "wave_speed")
 """Values of a material that the panels of its objects show."""
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import bpy
 from bpy.types import Context, Object, Panel, Scene, UILayout
 
 from ...core.declaration import default_of
-from ...core.scene.bands import BAND_EDGES
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.functions import Physical
 from ...core.scene.values import HapticObject, Listener, Settings, Source
@@ -161,8 +159,6 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
     haptics, body = obj.haptics, obj.rigid_body
     if body is None and not haptics.medium:
         layout.prop(haptics, "surface")
-        if haptics.surface in ("SEEN", "SOLID"):
-            layout.prop(haptics, "sunk_in")
     traced = sessions.shown(context.scene)
     reading = None if traced is None else traced.reading
     hull = None if reading is None else reading.hulls.get(obj.name_full)
@@ -193,15 +189,8 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
 
 
 def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
-    """Draw the wave speed: a material has a switch for it, an object's own is off at 0."""
-    if material is None:
-        layout.prop(haptics, "wave_speed")
-        return
-    row = layout.row(heading="Delay")
-    row.prop(material, "use_delay", text="")
-    side = row.row()
-    side.active = material.use_delay
-    side.prop(material, "wave_speed", text="")
+    """Draw the wave speed of an object, or of its material."""
+    layout.prop(haptics if material is None else material, "wave_speed")
 
 
 def _draw_material(
@@ -260,13 +249,10 @@ def _twin(context: Context, haptics: Any) -> str | None:
     k = transfer_coefficient(haptics.kappa, haptics.rho)
     for item in context.scene.haptics.materials.items:
         if (
-            item.name == haptics.material.name
-            or abs(transfer_coefficient(item.kappa, item.rho) - k) > _SAME
+            item.name != haptics.material.name
+            and abs(transfer_coefficient(item.kappa, item.rho) - k) <= _SAME
         ):
-            continue
-        bands = tuple(item.band_decays) if item.use_bands else ()
-        if bands == (tuple(haptics.material.band_decays) if haptics.material.use_bands else ()):
-            return item.name
+            return str(item.name)
     return None
 
 
@@ -337,23 +323,3 @@ class HAPTIC_PT_constants(ObjectPanel):
 
     def draw(self, context: Context) -> None:
         draw_held(settings_layout(self, is_animated=True), context.object.haptics, Physical)
-
-
-class HAPTIC_PT_bands(ObjectPanel):
-    bl_parent_id = "HAPTIC_PT_object"
-    bl_label = "Frequency Bands"
-
-    poll = classmethod(_poll_haptic)
-
-    def draw_header(self, context: Context) -> None:
-        owner = library_owner(context, context.object) or context.object.haptics.material
-        self.layout.prop(owner, "use_bands", text="")
-
-    def draw(self, context: Context) -> None:
-        layout = settings_layout(self, is_animated=True)
-        owner = library_owner(context, context.object) or context.object.haptics.material
-        layout.active = owner.use_bands
-        layout.label(text="Extra attenuation per metre")
-        column = layout.column(align=True)
-        for index, (low, high) in enumerate(pairwise(BAND_EDGES)):
-            column.prop(owner, "band_decays", index=index, text=f"{low:g} - {high:g} Hz")

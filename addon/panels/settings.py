@@ -7,7 +7,7 @@ from typing import Any
 
 from bpy.types import Context, Panel, UILayout
 
-from ...core.scene.impact_rule import CURVES, ImpactLimits, ImpactRule
+from ...core.scene.impact_rule import CURVES, ImpactRule
 from ...core.scene.rules import ContactSettings
 from ...core.scene.texture import Texture
 from ...core.scene.values import Settings
@@ -62,7 +62,6 @@ class HAPTIC_PT_impacts(ScenePanel):
         haptics = context.scene.haptics
         layout.active = haptics.impacts
         draw_held(layout, haptics, ContactSettings, impacts=None, tolerance=None)
-        layout.prop(haptics, "impacts_in_units")
         layout.label(text="Rules")
         rule = draw_table(layout, context, "impact_table")
         if rule is None:
@@ -72,9 +71,6 @@ class HAPTIC_PT_impacts(ScenePanel):
             layout.prop(rule, "filepath")
         if rule.template == "DRAWN":
             layout.prop(rule, "drawing")
-        layout.prop(rule, "use_limits")
-        if rule.use_limits:
-            draw_held(layout.column(align=True), rule, ImpactLimits)
         curves = {curve: partial(_draw_curve, rule, curve) for curve in CURVES}
         draw_held(layout, rule, ImpactRule, seed=partial(_draw_seed, rule), **curves)
 

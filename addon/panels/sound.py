@@ -37,9 +37,7 @@ class HAPTIC_PT_sound(ObjectPanel):
             layout.prop_search(sound, "strip", context.scene.sequence_editor, compatibility.STRIPS)
         if sound.fault:
             draw_sentence(layout, sound.fault, "ERROR")
-        draw_properties(
-            layout, sound, "carrier", *SHOWN[sound.carrier], "gate", "gain", "release", "bursts"
-        )
+        draw_properties(layout, sound, "carrier", *SHOWN[sound.carrier], "gain")
         layout.operator("haptic.convert_sound", icon="FILE_REFRESH")
         if sound.kept:
             now = sound_source.taken(context.scene, sound)

@@ -29,9 +29,6 @@ _SHOWN_EMPHASES = 20
 _TRIGGERS = {
     "": "",
     "_markers": "timeline_markers",
-    "_hit": "",
-    "_object": "objects",
-    "_region": "objects",
 }
 """Suffixes of property names, and the collections that these properties name items of."""
 

@@ -19,8 +19,6 @@ from bpy.props import (
 from bpy.types import Context, Object, PropertyGroup, Scene
 
 from ...core.declaration import shown
-from ...core.scene.bands import BAND_COUNT
-from ...core.scene.functions import Spectrum
 from ...core.scene.library import LibraryMaterial
 from ...core.scene.materials import MATERIALS
 from ..blender.progress import progress
@@ -46,34 +44,20 @@ TARGET_ITEMS = (
     ),
 )
 
-SHARED = tuple(name for name in shown(LibraryMaterial) if name != "use_delay")
+SHARED = tuple(shown(LibraryMaterial))
 """The values that materials of the library and their objects have."""
 
 
-def holders(obj: Object) -> dict[str, Any]:
-    """The property group that holds each shared value of an object."""
-    haptics = obj.haptics
-    groups = haptics, haptics.material
-    return {name: group for group in groups for name in SHARED if name in group.bl_rna.properties}
-
-
-def values_of(item: HapticMaterial) -> dict[str, Any]:
-    """The shared values of a material of the library."""
-    values = {name: _value(item, name) for name in SHARED}
-    return {**values, "wave_speed": item.wave_speed if item.use_delay else 0.0}
-
-
-def _value(holder: Any, name: str) -> Any:
-    """A shared value as an object or a material of the library holds it."""
-    value = getattr(holder, name)
-    return tuple(value) if name == "band_decays" else value
+def values_of(holder: Any) -> dict[str, Any]:
+    """The shared values of an object's properties, or of a material of the library."""
+    return {name: getattr(holder, name) for name in SHARED}
 
 
 def write_values(obj: Object, values: dict[str, Any]) -> None:
     """Give an object the values of a material; equal values are not written."""
-    for name, holder in holders(obj).items():
-        if _value(holder, name) != values[name]:
-            setattr(holder, name, values[name])
+    for name, value in values.items():
+        if getattr(obj.haptics, name) != value:
+            setattr(obj.haptics, name, value)
 
 
 def made_of(scene: Scene, name: str) -> Iterator[Object]:
@@ -146,10 +130,8 @@ def _chosen(self: HapticObjectMaterial, context: Context) -> None:
 
 
 @updating(object_changed)
-@holding(Spectrum, "band_decays", more={"band_decays": {"default": (0.0,) * BAND_COUNT}})
-@holding(LibraryMaterial, "use_bands")
 class HapticObjectMaterial(PropertyGroup):
-    """The material of an object, and the attenuation by band that the object takes from it."""
+    """The material of an object."""
 
     name: text(
         "Material",
@@ -196,9 +178,3 @@ def add_material(scene: Scene, name: str, values: dict[str, object]) -> HapticMa
         _material_changed(item, bpy.context)
     library.active = len(library.items) - 1
     return item
-
-
-def own_values(obj: Object) -> dict[str, Any]:
-    """The values of an object, in the form of a material of the library."""
-    values = {name: _value(holder, name) for name, holder in holders(obj).items()}
-    return {**values, "use_delay": values["wave_speed"] > 0}

@@ -12,7 +12,7 @@ from . import live_output, materials
 from .callbacks import changed, object_changed, updating
 from .declared import holding
 from .function import VIBRATION_FUNCTIONS, FunctionParameters, function_property
-from .kinds import choice, number, reference, switch
+from .kinds import choice, reference, switch
 from .listener import HapticListenerProperties
 from .source import HapticSourceProperties
 
@@ -47,7 +47,8 @@ class HapticObjectProperties(FunctionParameters, PropertyGroup):
             (
                 "SOLID",
                 "Solid",
-                "A closed surface: what crosses it touches, and what is inside down to Sunk In",
+                "A closed surface: what crosses it touches, and what is inside down to 5 cm, a "
+                "fingertip in a sofa",
             ),
             (
                 "SHELL",
@@ -61,14 +62,6 @@ class HapticObjectProperties(FunctionParameters, PropertyGroup):
                 "A skin around all vertices, which closes holes and hollows",
             ),
         ),
-    )
-    sunk_in: number(
-        "Sunk In (m)",
-        "Depth inside a solid down to which things touch it, at most half the size of the thing: "
-        "a fingertip in a sofa",
-        0.05,
-        (0.001, 0.5),
-        precision=3,
     )
     source: PointerProperty(type=HapticSourceProperties)
     listener: PointerProperty(type=HapticListenerProperties)

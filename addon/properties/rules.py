@@ -9,13 +9,13 @@ from __future__ import annotations
 from bpy.props import CollectionProperty, IntProperty
 from bpy.types import PropertyGroup
 
-from ...core.scene.impact_rule import TEMPLATES, ImpactLimits, ImpactRule
+from ...core.scene.impact_rule import TEMPLATES, ImpactRule
 from ...core.scene.texture import Texture
 from .callbacks import scene_changed, updating
 from .declared import holding, items_of
 from .drawing import drawing_property
 from .function import TRANSMISSIONS, ContactParameters, function_property
-from .kinds import choice, file_path, switch, text
+from .kinds import choice, file_path, text
 
 TABLES = (
     ("impact_table", "Impacts", "What impacts between some objects need and play"),
@@ -57,7 +57,6 @@ class TableRows:
 
 @updating(scene_changed, animated=False)
 @holding(ImpactRule)
-@holding(ImpactLimits)
 class HapticImpactRule(RuleScope, PropertyGroup):
     """The rule for impacts between some objects."""
 
@@ -72,7 +71,6 @@ class HapticImpactRule(RuleScope, PropertyGroup):
     )
     filepath: file_path("File", "The file with the vibration that impacts play")
     drawing: drawing_property()
-    use_limits: switch("Own Energies", "These impacts have limits of energy of their own")
 
 
 class HapticImpactTable(TableRows, PropertyGroup):

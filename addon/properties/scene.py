@@ -8,7 +8,7 @@ from bpy.types import PropertyGroup
 from ...core.scene.rules import ContactSettings
 from ...core.scene.values import Settings
 from . import bake, live_output, materials, rules
-from .callbacks import changed, scene_changed, updating, view_changed
+from .callbacks import scene_changed, updating, view_changed
 from .declared import holding
 from .kinds import choice, switch, text
 
@@ -69,8 +69,6 @@ class HapticMetersProperties(PropertyGroup):
     energy="impact_energy",
     least_energy="minimum_energy",
     full_energy="maximum_energy",
-    refractory="refractory_time",
-    templates="impact_signal",
 )
 @holding(Settings)
 class HapticSceneProperties(PropertyGroup):
@@ -78,13 +76,6 @@ class HapticSceneProperties(PropertyGroup):
 
     tracing: switch(
         "Trace", "Trace haptics at every frame while the timeline plays or objects move", True
-    )
-    impacts_in_units: switch(
-        "Impacts in Units",
-        "Judge the energy of impacts as if a unit were a metre, where gravity was never adapted "
-        "to the unit scale",
-        options=set(),
-        update=changed,
     )
     impact_table: PointerProperty(type=rules.HapticImpactTable)
     transmission_table: PointerProperty(type=rules.HapticTransmissionTable)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.props import FloatVectorProperty
 from bpy.types import Context, Object, PropertyGroup
 
 from ...core.devices import profile_files
@@ -15,7 +14,7 @@ from ..blender.extension import profile_folders
 from ..blender.paths import local_path
 from ..blender.words import TranslatedError
 from .callbacks import changed, updating
-from .kinds import choice, file_path, limited, reference, share, switch, text
+from .kinds import choice, file_path, limited, reference, switch, text
 
 if TYPE_CHECKING:
     from ...core.devices.profiles import Profile
@@ -35,7 +34,7 @@ CARRIERS = (
     ("PITCH", "Pitch", "The sound's own pitch, moved by octaves into the band that is felt well"),
     ("DEVICE", "Device", "The frequency at which a device is felt most"),
 )
-SHOWN = {"PITCH": ("band", "frequency"), "FIXED": ("frequency",), "DEVICE": ("device",)}
+SHOWN = {"PITCH": ("frequency",), "FIXED": ("frequency",), "DEVICE": ("device",)}
 """Properties of each carrier."""
 
 
@@ -92,21 +91,6 @@ class HapticSoundProperties(PropertyGroup):
         (10.0, 1000.0),
     )
     device: text("Device", "The profile of the device", "dualsense", search=_matching_devices)
-    band: FloatVectorProperty(
-        name="Band (Hz)",
-        description="Lowest and highest frequency of the carrier, in hertz; other pitches are "
-        "moved into it by octaves",
-        size=2,
-        default=(40.0, 400.0),
-        min=10.0,
-        max=1000.0,
-    )
-    gate: limited(
-        "Gate (dB)",
-        "Level in decibels of full scale below which a sound makes no vibration",
-        -40.0,
-        (-100.0, 0.0),
-    )
     gain: limited(
         "Gain",
         "Makes the vibration of the sound stronger or weaker",
@@ -114,15 +98,6 @@ class HapticSoundProperties(PropertyGroup):
         (0.0, 100.0),
         soft_max=10.0,
     )
-    release: limited(
-        "Release (s)",
-        "Time constant of the decay after the sound: after this many seconds the vibration is at "
-        "37%",
-        0.03,
-        (0.001, 2.0),
-        precision=3,
-    )
-    bursts: share("Onsets", "Strength of the short burst at each onset of the sound", 1.0)
     kept: text("Vibration", "What was made of the sound", options={"HIDDEN"}, update=changed)
     waves: text("Waves", "The sound and its vibration as the panel draws them", options={"HIDDEN"})
     taken: text(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bpy.props import PointerProperty, StringProperty
+from bpy.props import PointerProperty
 from bpy.types import PropertyGroup
 
 from ...core.scene.values import Source
@@ -28,10 +28,6 @@ SIGNAL_ITEMS = (
         7,
     ),
 )
-
-
-def _name(name: str, description: str) -> StringProperty:
-    return text(name, description, options=set())
 
 
 @updating(object_changed)
@@ -79,23 +75,8 @@ class HapticSourceProperties(PropertyGroup):
         "the value rises above 0",
         0.0,
     )
-    trigger_markers: _name(
+    trigger_markers: text(
         "Markers",
         "Plays at the timeline markers of this name; * stands for any characters, ? for one",
-    )
-    trigger_hit: switch(
-        "When Hit",
-        "Plays at each impact of the haptic object; the rule for impacts of the two objects says "
-        "how strongly",
         options=set(),
-    )
-    trigger_object: _name(
-        "Passing",
-        "Plays when the origin of this haptic object enters the region; Car* stands for all names "
-        "that begin so, an empty field for any object",
-    )
-    trigger_region: _name(
-        "Region",
-        "The object whose bounding box is the region; a flat one is a plane that triggers from "
-        "either side",
     )

@@ -26,7 +26,6 @@ from ...core.contacts.shapes import Mesh as MeshShape
 from ...core.contacts.surface_shape import Surface, SurfaceShape, hull_deviation, surface_shape
 from ...core.scene.values import Pose
 from ..blender.arrays import read_array
-from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from .instances import HapticInstance
 from .world_transforms import apply_stretch, lengths_of_axes
@@ -43,7 +42,7 @@ def shape_settings(obj: Object, scene: Scene) -> tuple[Any, ...]:
     """What the shape of ``obj`` depends on beside its geometry and stretch."""
     body = obj.rigid_body
     if body is None:
-        return obj.haptics.surface, obj.haptics.sunk_in, scene.haptics.contact_tolerance
+        return obj.haptics.surface, scene.haptics.contact_tolerance
     margin = body.collision_margin * metres_per_unit(scene)
     return body.collision_shape, body.mesh_source, body.use_margin, margin
 
@@ -123,14 +122,13 @@ def _shape_of_surface(
     haptics = owner.haptics
     outwards = triangles if stretch[:3].prod() > 0 else triangles[:, ::-1]
     surface = Surface(haptics.surface.lower())
-    sunk_in = shortest(haptics.sunk_in)
     tolerance = scene.haptics.contact_tolerance / 10
     if surface is not Surface.CONVEX_HULL:
         _check_number(triangles)
     points = apply_stretch(vertices, stretch)
     if len(triangles) > _MOST_KEPT:
-        return surface_shape(points, outwards, surface, tolerance, sunk_in)
-    return _surface_shape(points.tobytes(), outwards.tobytes(), surface, tolerance, sunk_in)
+        return surface_shape(points, outwards, surface, tolerance)
+    return _surface_shape(points.tobytes(), outwards.tobytes(), surface, tolerance)
 
 
 def _shape_of_body(
@@ -215,7 +213,7 @@ def _hull(
 
 @lru_cache(maxsize=256)
 def _surface_shape(
-    vertices: bytes, triangles: bytes, surface: Surface, tolerance: float, sunk_in: float
+    vertices: bytes, triangles: bytes, surface: Surface, tolerance: float
 ) -> SurfaceShape:
     """`surface_shape` of a mesh, kept by its content: undo and duplicates read it again.
 
@@ -224,11 +222,10 @@ def _surface_shape(
         triangles: (t, 3) as bytes.
         surface: what of the mesh touches others.
         tolerance: as of `surface_shape` [m].
-        sunk_in: as of `surface_shape` [m].
     """
     points = np.frombuffer(vertices).reshape(-1, 3)
     corners = np.frombuffer(triangles, dtype=np.int64).reshape(-1, 3)
-    return surface_shape(points, corners, surface, tolerance, sunk_in)
+    return surface_shape(points, corners, surface, tolerance)
 
 
 def _compound(obj: Object, depsgraph: Depsgraph, scale: FloatArray) -> Compound:

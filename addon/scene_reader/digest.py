@@ -30,7 +30,7 @@ from .drawings import mapping_of, points_of
 from .objects import read_layers
 from .plain_values import PLAIN_TYPES, TRANSFORM, checksum, plain, values_of, writable
 from .present import present_objects, traced_layer
-from .roles import is_tagged, regions_of
+from .roles import is_tagged
 from .triggers import marker_frames
 
 Digest = JsonObject
@@ -121,8 +121,7 @@ def digest_of(scene: Scene) -> Digest:
         else:
             rules.append(value)
     shown = _layer_objects(scene)
-    regions = regions_of(scene)
-    moving = with_movers(obj for obj in shown if _is_relevant(obj) or obj.name in regions)
+    moving = with_movers(obj for obj in shown if _is_relevant(obj))
     objects = {
         obj.name_full: {
             "haptics": _haptic_sum(obj, scene),
@@ -148,10 +147,7 @@ def motion_of(scene: Scene) -> str:
     It covers physics, and the shape, transforms, animation, rigid body, parent, constraints and
     modifiers of haptic objects and of objects that may move them.
     """
-    regions = regions_of(scene)
-    moving = with_movers(
-        obj for obj in _layer_objects(scene) if _may_collide(obj) or obj.name in regions
-    )
+    moving = with_movers(obj for obj in _layer_objects(scene) if _may_collide(obj))
     motions = [(obj.name_full, _motion(obj, ("haptics.",))) for obj in moving]
     return checksum([_physics(scene), motions, metres_per_unit(scene)])
 

@@ -11,11 +11,7 @@ from ..properties.declared import read_values
 
 def read_function(haptics: Any) -> ModulationFunction:
     """The propagation function of an object's properties. Raises ValueError."""
-    material = haptics.material
-    bands = read_values(Spectrum, material)["band_decays"] if material.use_bands else ()
-    return function_of(
-        haptics, Spectrum(**{**read_values(Spectrum, haptics), "band_decays": bands})
-    )
+    return function_of(haptics, Spectrum(**read_values(Spectrum, haptics)))
 
 
 def function_of(group: Any, spectrum: Spectrum) -> ModulationFunction:

@@ -18,7 +18,6 @@ from ...core.events.stored import FrameEvents
 from ...core.formats.io.schema import load_schema
 from ...core.formats.io.strict_json import parse_json
 from ...core.forms import JsonObject
-from ...core.scene.values import TriggerKind
 
 _MOST_CHARACTERS = 2**16
 """Largest size of the text; more impacts are not stored."""
@@ -59,7 +58,7 @@ def impacts_from_text(
     poses = np.array([item["poses"] for item in form["impacts"]], dtype=np.float64).reshape(
         -1, 2, 3, 4
     )
-    shots = tuple(Shot(**{**item, "on": TriggerKind(item["on"])}) for item in form.get("shots", ()))
+    shots = tuple(Shot(**item) for item in form.get("shots", ()))
     return FrameEvents(float(form["start"]), sounding, poses, shots) if sounding or shots else None
 
 

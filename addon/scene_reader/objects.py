@@ -54,11 +54,9 @@ def _read_physics(obj: Object, scene: Scene) -> dict[str, Any]:
 
 
 def mass_of(obj: Object, scene: Scene) -> float:
-    """The mass [kg] of a rigid body as Blender shows it, with the cube of the unit scale; for
-    *Impacts in Units*, that with which energies are as if a unit were a metre."""
+    """The mass [kg] of a rigid body as Blender shows it, with the cube of the unit scale."""
     assert obj.rigid_body is not None
-    power = -2 if scene.haptics.impacts_in_units else 3
-    return float(f"{shortest(obj.rigid_body.mass) * metres_per_unit(scene) ** power:.7g}")
+    return float(f"{shortest(obj.rigid_body.mass) * metres_per_unit(scene) ** 3:.7g}")
 
 
 def read_source(

@@ -22,7 +22,7 @@ from ...core.contacts.settings import Body, ContactSettings, Motion
 from ...core.contacts.surface_shape import SurfaceShape
 from ...core.contacts.tracker import STILL
 from ...core.scene.rule_table import RuleTable
-from ...core.scene.values import HapticObject, Listener, Settings, Source, TriggerKind
+from ...core.scene.values import HapticObject, Listener, Settings, Source
 from ..blender import compatibility
 from ..blender.arrays import read_array
 from ..blender.progress import progress
@@ -59,7 +59,7 @@ from .rules import read_tables
 from .settings import read_contact_settings, read_settings, setting_values
 from .signals import is_audible
 from .tagged import Tagged, TaggedLists
-from .triggers import read_triggers, region_of
+from .triggers import read_triggers
 from .world_transforms import (
     in_metres,
     matrices_of,
@@ -229,13 +229,7 @@ class SceneReader:
             lists = self._read_changed(scene, depsgraph, exact)
         now = seconds_of(scene, frame)
         duration = frame_seconds(scene)
-        audible = [
-            _with_current_regions(item, row, scene)
-            if isinstance(item, Source) and item.triggers
-            else item
-            for item, row in zip(self._placed, lists.of_places.tolist(), strict=True)
-            if is_audible(item, now, duration)
-        ]
+        audible = [item for item in self._placed if is_audible(item, now, duration)]
         self._read_settings(scene)
         self._markers = self._marked(scene)
         return Reading(
@@ -338,7 +332,7 @@ class SceneReader:
             for row, obj in enumerate(bpy.data.objects)
             if obj.session_uid in shown and is_tagged(obj)
         }
-        self._meant.follow(depsgraph.scene, tagged.values())
+        self._meant.follow(depsgraph.scene)
         self._rows = {obj.session_uid: row for row, obj in tagged.items()}
         self._names = {obj.session_uid: obj.name_full for obj in tagged.values()}
         self._lists = None
@@ -773,15 +767,6 @@ class SceneReader:
                 shape = replace(shape, deviation=parts.deviation(motions, obj, depsgraph, stretch))
         self._bone_parts[obj.session_uid] = key, parts, motions, shape
         return shape
-
-
-def _with_current_regions(item: Source, row: int, scene: Scene) -> Source:
-    """``item``, the source of the object in ``row``, with the pose that the regions of its
-    *passing* triggers have in this frame."""
-    source = bpy.data.objects[row].haptics.source
-    place = region_of(source, scene)
-    moved = (replace(t, **place) if t.on is TriggerKind.PASSING else t for t in item.triggers or ())
-    return replace(item, triggers=tuple(moved))
 
 
 def _objects_in(rows: Collection[int], evaluated: Mapping[int, Object]) -> list[Object]:

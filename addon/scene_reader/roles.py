@@ -39,16 +39,6 @@ def is_silenced(obj: Object, role: str, solo: frozenset[str]) -> bool:
     return properties.muted or (role in solo and not properties.solo)
 
 
-def regions_of(scene: Scene) -> frozenset[str]:
-    """The names of the objects used as regions of sources."""
-    sources = (obj.haptics.source for obj in scene.objects)
-    return frozenset(
-        source.trigger_region
-        for source in sources
-        if source.enabled and source.one_shot and source.trigger_region
-    )
-
-
 _untagged: dict[int, int] = {}
 """The last revision without a tagged object, by session id of the scene."""
 

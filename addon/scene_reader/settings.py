@@ -8,6 +8,7 @@ from bpy.types import Scene
 
 from ...core.contacts.settings import ContactSettings
 from ...core.forms import Form
+from ...core.scene.impact_rule import ImpactTemplates
 from ...core.scene.values import Settings, Vector
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
@@ -36,6 +37,7 @@ def read_contact_settings(scene: Scene, tables: Form) -> ContactSettings:
     """The settings of contacts and impacts of a scene with these tables, see
     `rules.read_tables`."""
     values = read_values(ContactSettings, scene.haptics)
+    values["templates"] = ImpactTemplates.BY_MATERIAL
     values["gravity"] = gravity_of(scene)
     values["passing"] = tuple(sorted(_passing(scene)))
     if scene.rigidbody_world is not None:

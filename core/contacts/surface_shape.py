@@ -52,7 +52,6 @@ def surface_shape(
     triangles: IntArray,
     surface: Surface,
     tolerance: float,
-    sunk_in: float = SUNK_IN,
 ) -> SurfaceShape:
     """The shape of a mesh, without triangles that of the hull of its points. Raises ValueError
     where there is none.
@@ -62,7 +61,6 @@ def surface_shape(
         triangles: (t, 3) over them.
         surface: what of the mesh touches others.
         tolerance: deviation up to which the hull stands for a closed surface [m].
-        sunk_in: depth inside a solid down to which it is touched [m].
     """
     hulled = ConvexHull(points)
     tolerance = min(tolerance, _SMOOTH * float(np.median(np.ptp(points, axis=0))))
@@ -82,9 +80,9 @@ def surface_shape(
     solid = surface is Surface.SOLID or (closed and volume > 0)
     flat = surface is Surface.SEEN and not closed and _covers(hull, corners)
     if convex and ((solid and closed) or flat):
-        return SurfaceShape(hulled if flat else ConvexHull(points, sunk_in=sunk_in), deviation)
+        return SurfaceShape(hulled if flat else ConvexHull(points, sunk_in=SUNK_IN), deviation)
     outwards = triangles[:, ::-1] if solid and volume < 0 else triangles
-    return SurfaceShape(Mesh(points, outwards, sunk_in=sunk_in if solid else 0.0), deviation)
+    return SurfaceShape(Mesh(points, outwards, sunk_in=SUNK_IN if solid else 0.0), deviation)
 
 
 def is_closed(points: FloatArray, triangles: IntArray) -> bool:

@@ -58,8 +58,8 @@ class Waterfall:
 
     @property
     def mix(self) -> float:
-        """What the level has beyond this source: other sources and how they are mixed, ducking,
-        ceiling and limiter, and what has changed within the time over which the level is measured.
+        """What the level has beyond this source: other sources and how they are mixed, ceiling
+        and limiter, and what has changed within the time over which the level is measured.
         0 where this source is silent."""
         alone = self.amplitude + self.gain + self.listener_gain + self.signal
         return self.level - alone if math.isfinite(alone) else 0.0

@@ -63,7 +63,7 @@ class Events:
         the ones that begin."""
         given = frame, since, found, settings
         return (
-            *self.shots.follow(*given),
+            *self.shots.follow(frame, since),
             *self.rubbing.follow(*given),
             *self.impacts.follow(*given),
         )

@@ -22,7 +22,7 @@ SECONDS = 0.25
 
 @frozen
 class FeltSource:
-    """``margin``: sensation level of the source alone, after ducking [dB]. ``masker``: the source
+    """``margin``: sensation level of the source alone [dB]. ``masker``: the source
     that masks it, "" for none."""
 
     source: Source
@@ -89,7 +89,7 @@ def felt_sources(
 def source_samples(
     sounding: Sounding, listener: int, seconds: float, sample_rate: float
 ) -> FloatArray:
-    """Samples (s, n) of each source at a listener, after ducking, before mixing."""
+    """Samples (s, n) of each source at a listener, before mixing."""
     voices = source_voices(sounding)
     apart = [
         voice._replace(

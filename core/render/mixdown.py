@@ -9,8 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import FloatArray
-from ..scene.values import Listener, Source
-from .arrival import arriving
+from ..scene.values import Listener
 from .frame_result import FrameResult, Sounding
 from .mixing import MixingExpression
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer
@@ -18,10 +17,6 @@ from .voices import Voice
 
 _LIMITER_SECONDS = 0.5
 """Time [s] that a limiter's gain depends on, to a few percent."""
-
-DUCKS = 0.01
-"""Least amplitude at which a source of higher priority attenuates others fully: -40 dB of full
-scale."""
 
 
 class Mixdown:
@@ -124,36 +119,11 @@ def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -
     return ListenerMix(name, method, s_max, limiter)  # type: ignore[arg-type]
 
 
-def ducked(
-    sources: Sequence[Source], listeners: Sequence[Listener], level: FloatArray
-) -> FloatArray:
-    """Factors (s, l) by which sources are attenuated at a listener while a source of higher
-    priority arrives there.
-
-    If the amplitude of that source is at least `DUCKS`, the attenuation is the listener's
-    ``ducking`` [dB]; below, it decreases to 0 over 6 dB.
-
-    Args:
-        sources: the s sources.
-        listeners: the l listeners.
-        level: amplitude with which each source arrives at each listener (s, l).
-    """
-    depth = np.clip(2.0 * level / DUCKS - 1.0, 0.0, 1.0)
-    priority = np.array([source.priority for source in sources])
-    strongest = np.array(
-        [depth[priority > own].max(axis=0, initial=0.0) for own in priority]
-    ).reshape(depth.shape)
-    return np.asarray(10.0 ** (-np.array([item.ducking for item in listeners]) * strongest / 20.0))
-
-
 def source_voices(state: Sounding | FrameResult) -> list[Voice]:
-    """One voice per source for a `Renderer`, with its gains at the listeners, ducked."""
+    """One voice per source for a `Renderer`, with its gains at the listeners."""
     sources, listeners, propagation = state.sources, state.listeners, state.propagation
     listener_gain = np.array([item.gain for item in listeners])
     gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
-    if any(item.ducking for item in listeners):
-        factor = ducked(sources, listeners, arriving(sources, propagation))
-        gains = gains * (factor if gains.ndim == 2 else factor[:, :, None])
     return [
         Voice(
             key=source.name,

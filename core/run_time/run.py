@@ -32,7 +32,6 @@ from ..scene.values import (
     Settings,
     Source,
     Trigger,
-    TriggerKind,
 )
 from ..tracer import Tracer
 from .given import contact_set, plain, read_contacts, read_impacts
@@ -534,7 +533,7 @@ class Run:
             if amplitude != source.amplitude:
                 source = replace(source, amplitude=amplitude)
             if played:
-                once = Trigger(TriggerKind.TIMES, tuple(played))
+                once = Trigger(tuple(played))
                 source = replace(source, triggers=(*(source.triggers or ()), once))
             sources.append(source)
         return Frame(

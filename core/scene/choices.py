@@ -26,12 +26,3 @@ class Strategy(enum.StrEnum):
 class SourceKind(enum.StrEnum):
     PERSISTENT = "persistent"
     TEMPORARY = "temporary"
-
-
-class TriggerKind(enum.StrEnum):
-    """What makes a source play its signal once."""
-
-    TIMES = "times"  # at given times
-    HIT = "hit"  # an impact of its object
-    PASSING = "passing"  # an object enters a region
-    LEVEL = "level"  # a value rises above 0

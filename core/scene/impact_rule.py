@@ -81,12 +81,10 @@ FULL_ENERGY = number(
 ).metadata
 REFRACTORY = number(
     MISSING,
-    "Refractory",
+    "",
     "Time in seconds after an impact in which the same two objects make no further impact",
     0.0,
-    soft=(0.0, 2.0),
     unit="s",
-    digits=3,
 ).metadata
 
 
@@ -105,8 +103,8 @@ class ImpactLimits(Declared):
 class ImpactRule:
     """Signal of impacts: the ``template`` with amplitude ``gain``, modified by ``pitch``, ``decay``
     and ``brightness`` as in `Struck`. Each of these is weak + (full - weak) s at strength s =
-    min(energy / E_max, 1)^``bend``. ``variation`` in [0, 1]: largest relative deviation of single
-    impacts, drawn by ``seed``. ``limits``: None for those of the scene."""
+    min(energy / E_max, 1). ``variation`` in [0, 1]: largest relative deviation of single impacts,
+    drawn by ``seed``. ``limits``: None for those of the scene."""
 
     template: ImpactTemplates | Signal = part(
         ImpactTemplates.BY_MATERIAL,
@@ -148,14 +146,6 @@ class ImpactRule:
         0.0,
         1.0,
     )
-    bend: float = number(
-        1.0,
-        "Bend",
-        "How these values change from weak to full: 1 with the energy, 0.5 with the speed of "
-        "the impact",
-        0.1,
-        10.0,
-    )
     variation: float = share(
         0.0,
         "Variation",
@@ -184,9 +174,8 @@ class ImpactRule:
     ) -> tuple[Signal, float]:
         """The signal and the amplitude of an impact between two objects at ``onset`` [s];
         ``energy``: fraction of the full energy, at most 1."""
-        strength = energy**self.bend
         gain, pitch, decay, brightness = (
-            weak + (full - weak) * strength for weak, full in (getattr(self, key) for key in CURVES)
+            weak + (full - weak) * energy for weak, full in (getattr(self, key) for key in CURVES)
         )
         higher, shorter, weaker = (
             _chances(self.seed, names, onset) if self.variation else (0.5, 0.0, 0.0)

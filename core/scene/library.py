@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import field
 
-from ..declaration import Declared, name_of, switch
+from ..declaration import Declared, name_of
 from ..frozen import frozen
-from .bands import BAND_COUNT
-from .functions.modulation import BAND_DECAYS, WAVE_SPEED
+from .functions.modulation import WAVE_SPEED
 from .values import KAPPA, RHO
 
 
@@ -18,11 +17,4 @@ class LibraryMaterial(Declared):
     name: str = field(metadata=name_of("Name, unique among materials").metadata)
     kappa: float = field(metadata=KAPPA)
     rho: float = field(metadata=RHO)
-    use_delay: bool = switch(
-        False, "Delay", "Delay signals by this material's wave speed; makes tracing slower"
-    )
     wave_speed: float = field(default=0.0, metadata=WAVE_SPEED)
-    use_bands: bool = switch(
-        False, "Frequency Bands", "Attenuate each frequency band by its own value per metre"
-    )
-    band_decays: tuple[float, ...] = field(default=(0.0,) * BAND_COUNT, metadata=BAND_DECAYS)

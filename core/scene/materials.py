@@ -32,7 +32,6 @@ from types import MappingProxyType
 
 from ..forms import Form
 from ..frozen import frozen
-from .bands import BAND_CENTRES
 from .coefficients import transfer_coefficient
 
 _REFERENCE = 100.0
@@ -63,12 +62,6 @@ class Material:
     def k(self) -> float:
         """The transfer coefficient (1 - κ) ρ of the paper's function."""
         return transfer_coefficient(self.kappa, self.rho)
-
-    @property
-    def band_decays(self) -> tuple[float, ...]:
-        """Extra attenuation in each frequency band, in 1/m: proportional to frequency, because the
-        loss factor is constant."""
-        return tuple(self.absorption * centre / _REFERENCE for centre in BAND_CENTRES)
 
 
 def absorption(loss_factor: float, wave_speed: float) -> float:

@@ -88,11 +88,7 @@ class ContactSettings(Declared):
         True, "Impacts", "Collisions make temporary sources that play the impact signal once"
     )
     templates: ImpactTemplates = choice(
-        ImpactTemplates.PLAIN,
-        "Signal",
-        "What impacts feel like",
-        TEMPLATES,
-        shown=ImpactTemplates.BY_MATERIAL,
+        ImpactTemplates.PLAIN, "", "What impacts feel like", TEMPLATES
     )
     least_energy: float | None = field(default=None, metadata=LEAST_ENERGY)
     full_energy: float | None = field(default=None, metadata=FULL_ENERGY)

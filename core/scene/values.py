@@ -35,7 +35,6 @@ from .body import BODY_PARTS
 from .choices import Mode as Mode
 from .choices import SourceKind as SourceKind
 from .choices import Strategy as Strategy
-from .choices import TriggerKind as TriggerKind
 from .functions import (
     MIXING_VARIABLES,
     HapticTracing,
@@ -304,37 +303,20 @@ class Contact:
 
 @frozen
 class Trigger:
-    """What makes a source play its signal once.
+    """What makes a source play its signal once: ``times`` [s], each with its strength in [0, 1], 1
+    without ``strengths``; or a ``value`` when it rises above 0, of which files store the times."""
 
-    times: at ``times`` [s], each with its strength in [0, 1], 1 without ``strengths``; if ``by``
-    names the striking objects, strengths are fractions of the full energy. hit: impacts of the
-    source's object. passing: the origin of ``object`` enters the box of edges ``size`` [m] at
-    ``pose``, a plane if one of them is 0. level: ``value`` rises above 0; files store the times.
-    """
-
-    on: TriggerKind
     times: tuple[float, ...] = ()
     strengths: tuple[float, ...] = ()
-    by: tuple[str, ...] = ()
-    object: str = ""
-    pose: Pose = field(default_factory=Pose)
-    size: Vector = (0.0, 0.0, 0.0)
-    value: float = 0.0
+    value: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "on", TriggerKind(self.on))
-        object.__setattr__(self, "size", _finite_vector("size", self.size))
         if not all(map(math.isfinite, self.times)):
             raise ValueError("times: must be finite")
-        for key in ("strengths", "by"):
-            if getattr(self, key) and len(getattr(self, key)) != len(self.times):
-                raise ValueError(f"{key}: expected as many as there are times")
+        if self.strengths and len(self.strengths) != len(self.times):
+            raise ValueError("strengths: expected as many as there are times")
         if not all(0 <= strength <= 1 for strength in self.strengths):
             raise ValueError(f"strengths: must lie in [0, 1], got {self.strengths!r}")
-        if self.on is TriggerKind.PASSING:
-            _name("object", self.object)
-            if min(self.size) < 0:
-                raise ValueError(f"size: must be 0 or more, got {self.size!r}")
 
 
 SOURCE_KINDS = {
@@ -483,15 +465,6 @@ class Listener:
         most=500,
         shown="s_max * tanh(sum / s_max)",
     )
-    ducking: float = number(
-        0.0,
-        "Ducking",
-        "Decibels by which sources are turned down while one of higher priority arrives here",
-        0.0,
-        60.0,
-        soft=(0.0, 24.0),
-        unit="dB",
-    )
     gain: float = number(
         1.0, "Gain", "Factor of this listener's mixed signal; can be animated", 0.0, soft=(0.0, 2.0)
     )
@@ -570,10 +543,5 @@ class HapticScene:
                 require_known(
                     source.second_object, known, "object", ("sources", i, "second_object")
                 )
-            for k, trigger in enumerate(source.triggers or ()):
-                if trigger.on is TriggerKind.PASSING:
-                    require_known(
-                        trigger.object, known, "object", ("sources", i, "triggers", k, "object")
-                    )
         for i, listener in enumerate(self.listeners):
             require_known(listener.object, known, "object", ("listeners", i, "object"))

@@ -31,7 +31,6 @@ def crate(add_box, scene):
     add_box("floor", (0, 0, -0.5), (20, 20, 1), "PASSIVE")
     box = add_box("crate", (0, 0, 0.2), (0.4, 0.4, 0.4), "ACTIVE", mass=MASS)
     box.rigid_body.kinematic = True
-    scene.haptics.refractory_time = 0.0
     return box
 
 

@@ -98,7 +98,6 @@ def test_materials_rules_and_scene(touching):
     edits += [
         (haptics, "contact_tolerance", 0.3),
         (haptics, "threshold", 0.2),
-        (haptics, "impacts_in_units", True),
         (row, "second_kind", "MATERIAL"),
         (row, "second", "pine"),
         (row, "function", "constant"),

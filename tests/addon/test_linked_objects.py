@@ -40,7 +40,6 @@ def _fill(add_box: Any, collection: Any) -> None:
     objects["Fan"].haptics.source.muted = True
     bell, ball = objects["Bell"].haptics.source, objects["Ball"]
     bell.one_shot, bell.decay = True, 0.1
-    bell.trigger_object, bell.trigger_region = "Ball", "Gate"
     for frame, height in ((1, 6.0), (5, 2.0)):
         ball.location.z = height
         ball.keyframe_insert("location", frame=frame)

@@ -68,7 +68,7 @@ def values(obj: Any) -> dict[str, Any]:
     function = read_function(haptics)
     return {
         "function": {item.name: getattr(function, item.name) for item in fields(function)},
-        **{key: getattr(haptics, key) for key in ("kappa", "rho", "surface", "sunk_in")},
+        **{key: getattr(haptics, key) for key in ("kappa", "rho", "surface")},
         "material": haptics.material.name,
     }
 

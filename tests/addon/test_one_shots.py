@@ -7,9 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.bake import storage
-from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.io.capture import Capture
-from haptic_tracing.addon.io.frame_scene import scene_of_frame
 from haptic_tracing.addon.scene_reader.digest import changes, digest_of
 from haptic_tracing.addon.session import session, sessions, timeline
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
@@ -36,16 +34,6 @@ def bell(scene, add_box, add_empty):
     skin = add_empty("skin", (-0.1, 0, 0.5), ground).haptics.listener
     skin.enabled, skin.limiter = True, False
     return bell
-
-
-@pytest.fixture
-def ball(scene, bell, add_box):
-    """A small box that falls freely by its keyframes from 4 m at frame 1."""
-    ball = add_box("ball", (3, 0, 4), (0.1, 0.1, 0.1))
-    for frame in range(1, 49):
-        ball.location.z = 4.0 - G * seconds(frame) ** 2 / 2
-        ball.keyframe_insert("location", frame=frame)
-    return ball
 
 
 def key(obj, *keys):
@@ -84,40 +72,6 @@ def test_markers_of_the_name_play_and_follow_their_markers(scene, bell):
     assert [onset for onset, _ in onsets(play(scene))] == [seconds(9), seconds(31)]
 
 
-def test_a_body_that_falls_freely_triggers_when_it_passes_a_plane(scene, bell, ball):
-    bpy.ops.mesh.primitive_plane_add(size=1, location=(3.2, 0, 1.5))
-    bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ba*", "Plane"
-    assert [onset for onset, _ in onsets(play(scene))] == pytest.approx(
-        [math.sqrt(2 * 2.5 / G)], abs=1e-5
-    )
-
-
-def test_triggers_follow_renamed_objects(scene, bell, ball):
-    bpy.ops.mesh.primitive_plane_add(size=1, location=(3.2, 0, 1.5))
-    bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ball", "Plane"
-    scene.frame_set(1)
-    ball.name, bpy.context.object.name = "Kugel", "Ziel"
-    assert [onset for onset, _ in onsets(play(scene))] == pytest.approx(
-        [math.sqrt(2 * 2.5 / G)], abs=1e-5
-    )
-    assert faults(scene) == {}
-
-
-def test_a_region_may_move_and_be_an_empty(scene, bell, ball, add_empty):
-    """A cube of 2 m that rises by 1 m/s from where its top is at 0."""
-    region = add_empty("region", (3, 0, -1))
-    region.empty_display_size = 1.0
-    for frame in (1, 48):
-        region.location.z = -1.0 + seconds(frame)
-        region.keyframe_insert("location", frame=frame)
-    for curve in compatibility.fcurves_of(region):
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
-    bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ball", "region"
-    when = (-1 + math.sqrt(1 + 2 * G * 4)) / G  # 4 - g t^2 / 2 = t
-    assert [onset for onset, _ in onsets(play(scene))] == pytest.approx([when], abs=1e-4)
-
-
 def test_a_driver_plays_in_the_frame_in_which_it_rises(scene, bell):
     driver = bell.driver_add(TRIGGER).driver
     driver.expression = "0.5 if frame % 20 > 9 else 0"
@@ -127,45 +81,15 @@ def test_a_driver_plays_in_the_frame_in_which_it_rises(scene, bell):
     )
 
 
-@pytest.fixture
-def struck(scene, bell, add_box):
-    """A crate that falls 0.3 m onto the ground of the bell, by physics."""
-    bpy.ops.rigidbody.world_add()
-    ground = bpy.data.objects["ground"]
-    with bpy.context.temp_override(object=ground, active_object=ground, selected_objects=[ground]):
-        bpy.ops.rigidbody.object_add(type="PASSIVE")
-    add_box("crate", (1, 0, 0.55), (0.5, 0.5, 0.5), "ACTIVE", mass=12.0)
-    bell.haptics.source.trigger_hit = True
-    return bell
-
-
-def test_on_being_hit_it_plays_with_the_energy_of_the_blow(scene, struck):
-    results = play(scene)
-    (impact,) = {impact for result in results for impact in result.impacts}
-    assert onsets(results) == [(impact.time, impact.amplitude)]
-    assert impact.time == pytest.approx(math.sqrt(2 * 0.3 / G), abs=5e-3)
-    assert impact.energy == pytest.approx(12 * G * 0.3, rel=0.05)
-    played = next(s for result in results for s in result.sources if s.name.startswith("bell at"))
-    assert played.amplitude == pytest.approx(impact.amplitude) and (
-        played.object,
-        played.second_object,
-    ) == ("ground", None)
-    scene.haptics.impacts = False  # it needs no knock of the impact's own
-    again = play(scene)
-    assert onsets(again) == onsets(results) and not any(result.impacts for result in again)
-
-
 @pytest.mark.slow
-def test_a_bake_of_a_part_is_that_part_of_the_whole(scene, bell, ball, add_empty):
-    add_empty("gate", (3, 0, 1)).empty_display_size = 0.5
-    bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ball", "gate"
+def test_a_bake_of_a_part_is_that_part_of_the_whole(scene, bell):
     bell.driver_add(TRIGGER).driver.expression = "frame in (16, 29, 119, 128)"
     bell.haptics.source.trigger_markers = "Shot"
     scene.timeline_markers.new("Shot", frame=10)
     scene.frame_end = 136
     bpy.ops.haptic.bake()
     whole = storage.track_of(scene)
-    assert len(set(whole.row_source.tolist())) == 6
+    assert len(set(whole.row_source.tolist())) == 5
     for first in (2, 18, 30, 120):
         scene.frame_start = first
         bpy.ops.haptic.bake()
@@ -174,10 +98,11 @@ def test_a_bake_of_a_part_is_that_part_of_the_whole(scene, bell, ball, add_empty
         assert np.array_equal(part.samples, whole.samples[:, whole.offsets[first - 1 + 1] :])
 
 
-def test_the_file_plays_what_blender_plays(scene, struck, ball, tmp_path):
-    bpy.ops.mesh.primitive_plane_add(size=1, location=(3.2, 0, 1.5))
-    struck.haptics.source.trigger_object, struck.haptics.source.trigger_region = "ball", "Plane"
-    key(struck, (30, 0.5))
+def test_the_file_plays_what_blender_plays(scene, bell, tmp_path):
+    bell.haptics.source.trigger_markers = "Shot"
+    for frame in (12, 20):
+        scene.timeline_markers.new("Shot", frame=frame)
+    key(bell, (30, 0.5))
     results = play(scene)
     assert len(onsets(results)) == 3
     capture = Capture(scene, 1, 48, recorded=True, felt=False)
@@ -185,11 +110,7 @@ def test_the_file_plays_what_blender_plays(scene, struck, ball, tmp_path):
     write_export(capture.export("bell"), tmp_path / "bell.json")
     export = read_export(tmp_path / "bell.json")
     (source,) = export.need_scene().sources
-    assert [trigger.on for trigger in source.triggers] == ["times"] and source.triggers[0].by == (
-        "crate",
-        "",
-        "",
-    )
+    assert [trigger.strengths for trigger in source.triggers] == [(1.0, 1.0, 0.5)]
     again = list(traced_file(export.need_scene(), export.recording))
     for first, second in zip(results, again[:-1], strict=True):
         assert {s.name: s.amplitude for s in first.sources} == {
@@ -199,19 +120,7 @@ def test_the_file_plays_what_blender_plays(scene, struck, ball, tmp_path):
             assert np.abs(first.block - second.block).max() <= 1e-12
 
 
-def test_a_frame_is_written_with_what_happens_in_it(scene, struck, ball, traced):
-    bpy.ops.mesh.primitive_plane_add(size=2, location=(3, 0, 1.5))
-    struck.haptics.source.trigger_object, struck.haptics.source.trigger_region = "ball", "Plane"
-    struck.driver_add(TRIGGER)
-    (source,) = scene_of_frame(scene, bpy.context.evaluated_depsgraph_get()).sources
-    hit, passing = sorted(source.triggers, key=lambda trigger: trigger.on)
-    assert hit.on == "hit" and (passing.object, passing.size) == ("ball", (2.0, 2.0, 0.0))
-    assert passing.pose.position == pytest.approx((3, 0, 1.5))
-
-
-def test_a_click_on_a_frame_keeps_its_blow_after_playing_and_after_loading(
-    scene, struck, ball, add_empty, tmp_path
-):
+def test_a_click_on_a_frame_keeps_its_blow_after_playing_and_after_loading(scene, bell, tmp_path):
     def at_blow(frame):
         for number in range(1, frame + 1):
             scene.frame_set(number)
@@ -222,11 +131,10 @@ def test_a_click_on_a_frame_keeps_its_blow_after_playing_and_after_loading(
         assert session.result_of(scene).sources == result.sources
         return result
 
+    key(bell, (8, 1.0))
     at_blow(8)
-    source = struck.haptics.source
-    add_empty("gate", (3, 0, 1))
-    source.trigger_hit, source.trigger_object, source.trigger_region = False, "ball", "gate"
-    bpy.data.objects.remove(bpy.data.objects["crate"])
+    driver = bell.driver_add(TRIGGER).driver
+    driver.expression = "0.5 if frame > 16 else 0"
     result = at_blow(17)
     path = str(tmp_path / "bell.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
@@ -246,9 +154,7 @@ def test_a_click_on_a_frame_that_was_never_played_has_its_keyframe(scene, bell):
     assert session.result_of(scene).shots == ()
 
 
-def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(
-    scene, bell, ball, add_empty
-):
+def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(scene, bell, add_empty):
     source = bell.haptics.source
 
     def said(**values):
@@ -261,18 +167,8 @@ def test_what_is_wrong_is_said_beside_the_property_and_the_rest_goes_on(
         "trigger": "it never plays: insert keyframes of Trigger, or choose something below"
     }
     assert said(trigger_markers="Shot") == {"trigger_markers": "there is no timeline marker 'Shot'"}
-    assert said(trigger_markers="", trigger_object="nobody") == {
-        "trigger_object": "no haptic object 'nobody' can come into it",
-        "trigger_region": "choose the region that it comes into",
-    }
-    assert said(trigger_object="ball", trigger_region="nowhere") == {
-        "trigger_region": "there is no object 'nowhere' in this scene"
-    }
-    assert said(trigger_region="ball") == {
-        "trigger_object": "no haptic object 'ball' can come into it"
-    }  # itself
-    assert said(trigger_object="") == {}  # anything
-    assert said(trigger_region="", trigger_hit=True) == {}
+    scene.timeline_markers.new("Shot", frame=3)
+    assert said() == {}
     for values, message in (
         ({"decay": 0.0}, "its signal has no end: set a decay time"),
         ({"signal": "BLAST"}, "its signal has no end: set a decay time"),
@@ -308,11 +204,8 @@ def write_wav(path, samples, rate=8000):
 
 
 def test_a_silent_file_and_one_that_is_too_long_are_refused(scene, bell, tmp_path):
-    bell.haptics.source.signal, bell.haptics.source.trigger_hit, bell.haptics.source.decay = (
-        "FILE",
-        True,
-        0.0,
-    )
+    key(bell, (5, 1.0))
+    bell.haptics.source.signal, bell.haptics.source.decay = "FILE", 0.0
     for said, path in (
         ("silent", write_wav(tmp_path / "silent.wav", np.zeros(800))),
         ("longer", write_wav(tmp_path / "long.wav", np.ones(61 * 8000))),
@@ -373,9 +266,7 @@ def test_a_front_in_a_medium_comes_when_sound_does_and_falls_with_the_distance(
         assert np.argmax(samples) / 8000 == pytest.approx(d / 343.0, abs=3e-4)
 
 
-def test_what_makes_shots_makes_a_bake_stale(scene, bell, ball, add_empty):
-    gate = add_empty("gate", (3, 0, 1))
-    bell.haptics.source.trigger_object, bell.haptics.source.trigger_region = "ball", "gate"
+def test_what_makes_shots_makes_a_bake_stale(scene, bell):
     bell.haptics.source.trigger_markers = "Shot"
     marker = scene.timeline_markers.new("Shot", frame=10)
     bpy.ops.haptic.bake()
@@ -387,8 +278,7 @@ def test_what_makes_shots_makes_a_bake_stale(scene, bell, ball, add_empty):
     marker.frame = 12
     assert stale() == (("haptics", "bell"),)
     marker.frame = 10
-    gate.location.z = 2.0
-    assert stale() == (("pose", "gate"),)
+    assert stale() == ()
 
 
 def test_one_step_of_undo_takes_a_preset_back(scene, bell):

@@ -11,7 +11,7 @@ from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.core.formats.scene.scene_json import read_scene
 from haptic_tracing.core.scene.impact_rule import ImpactRule
 from haptic_tracing.core.scene.rule_table import Side
-from haptic_tracing.core.signals import DEFAULT_IMPACT, Automation, Drawing, impact_template
+from haptic_tracing.core.signals import Automation, Drawing, impact_template
 
 
 def write_wav(path, samples, rate=8000):
@@ -129,18 +129,8 @@ def test_a_drawn_signal_is_played_once_in_frames_after_its_edit_too(scene, blow)
     )
 
 
-def test_own_energies_decide_for_the_pair(scene, blow):
-    rule = add_rule(scene, first_kind="OBJECT", first="crate", use_limits=True, least_energy=1e4)
-    assert blow() is None
-    rule.use_limits = False
-    scene.frame_set(1)
-    assert blow().signal == impact_template("stone", "wood")
-
-
 def test_without_rows_impacts_are_those_of_the_scene(scene, blow):
     assert blow().signal == impact_template("stone", "wood")
-    scene.haptics.impact_signal = "PLAIN"
-    assert blow().signal == DEFAULT_IMPACT
 
 
 BAD = {
@@ -248,17 +238,13 @@ def test_the_table_is_written_to_files(scene, crate, tmp_path):
         first="crate",
         second_kind="MATERIAL",
         second="Stone*",
-        use_limits=True,
-        least_energy=0.25,
-        full_energy=70.5,
     )
-    values = {"gain": (0.25, 0.75), "pitch": (0.5, 2.0), "brightness": (0.1, 0.9), "bend": 0.3}
+    values = {"gain": (0.25, 0.75), "pitch": (0.5, 2.0), "brightness": (0.1, 0.9)}
     add_rule(scene, template="PLAIN", variation=0.2, seed=5, **values)
     assert bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "a.json")) == {"FINISHED"}
     written = read_scene(tmp_path / "a.json")
     first, second = written.rules.impact_table.rows
     assert first.between == (Side(object="crate"), Side(material="Stone*"))
-    assert (first.value.limits.least_energy, first.value.limits.full_energy) == (0.25, 70.5)
     assert second.value == ImpactRule("plain", variation=0.2, seed=5, **values)
     assert {item.name: item.material for item in written.objects} == {
         "crate": "Softwood",

@@ -91,8 +91,8 @@ def test_amplitude_and_kappa_that_are_keyframed_count_at_each_frame(seesaw, scen
 def test_settings_of_the_scene_that_are_keyframed_count_at_each_frame(seesaw, scene):
     bpy.ops.rigidbody.world_add()
     later = {"mode": "SD", "strategy": "as_in_the_paper",
-             "contact_tolerance": 0.02, "minimum_energy": 0.5, "maximum_energy": 7, "impact_energy": "as_in_the_paper", "refractory_time": 0.3,
-             "impacts": False, "impact_signal": "PLAIN"}  # fmt: skip
+             "contact_tolerance": 0.02, "minimum_energy": 0.5, "maximum_energy": 7, "impact_energy": "as_in_the_paper",
+             "impacts": False}  # fmt: skip
     keyed = [(scene.haptics, *item) for item in later.items()]
     keyed += [
         (scene.rigidbody_world, "time_scale", 0.5),

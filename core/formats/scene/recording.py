@@ -27,7 +27,6 @@ from ...scene.values import (
     Source,
     SourceKind,
     Trigger,
-    TriggerKind,
     Vector,
 )
 from ...tracer import Tracer
@@ -392,18 +391,11 @@ class SceneRecorder:
         )
 
     def _times(self, source: str) -> tuple[Trigger, ...]:
-        shots = sorted((s.onset, s.strength, s.by) for s in self._shots if s.source == source)
+        shots = sorted((s.onset, s.strength) for s in self._shots if s.source == source)
         if not shots:
             return ()
-        onsets, strengths, by = zip(*shots, strict=True)
-        return (
-            Trigger(
-                TriggerKind.TIMES,
-                onsets,
-                strengths if min(strengths) < 1 else (),
-                by if any(by) else (),
-            ),
-        )
+        onsets, strengths = zip(*shots, strict=True)
+        return (Trigger(onsets, strengths if min(strengths) < 1 else ()),)
 
     def _removed_objects(self, objects: Sequence[HapticObject]) -> tuple[str, ...]:
         """The names of objects that have disappeared; the sources on them are removed, so that they

@@ -128,7 +128,6 @@ def test_every_panel_and_menu_of_authoring_draws(add_box, add_empty):
         for made in (False, True):
             if made and active is box:
                 bpy.ops.haptic.apply_material(preset="rubber")
-                bpy.context.scene.haptics.materials.items[0].use_bands = True
                 bpy.context.scene.frame_set(2)
             for cls in classes_of(*drawn):
                 if hasattr(cls, "draw") and (not hasattr(cls, "poll") or cls.poll(bpy.context)):

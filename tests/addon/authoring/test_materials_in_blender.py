@@ -41,7 +41,6 @@ def test_every_preset_is_applied_with_its_values(boxes, materials):
         haptics = boxes[0].haptics
         assert haptics.material.name == material.title
         assert (haptics.kappa, haptics.rho) == pytest.approx((material.kappa, material.rho))
-        assert tuple(haptics.material.band_decays) == pytest.approx(material.band_decays, rel=1e-6)
     assert len(materials.items) == len(MATERIALS)
 
 
@@ -123,16 +122,12 @@ def test_appended_objects_keep_what_they_are_made_of(boxes, materials, tmp_path)
     assert bpy.context.scene.haptics.materials.items["Rubber"].kappa == pytest.approx(0.77)
 
 
-def test_bands_and_delays_are_traced_where_they_are_switched_on(boxes, materials, traced):
+def test_delays_are_traced_where_a_material_has_a_wave_speed(boxes, materials, traced):
     boxes[0].haptics.source.enabled = boxes[1].haptics.listener.enabled = True
     _select(*boxes[:2])
     bpy.ops.haptic.apply_material(preset="rubber")
-    assert traced().propagation.band_gain is None
-    materials.items["Rubber"].use_bands = True
-    bands = traced().propagation.band_gain[0, 0]
-    assert bands[0] > bands[-1] > 0
     assert traced().propagation.delay is None
-    materials.items["Rubber"].use_delay = True
+    materials.items["Rubber"].wave_speed = 60.0
     assert traced().propagation.delay is not None
 
 
@@ -203,15 +198,9 @@ def test_every_part_of_a_material_is_shared(boxes, materials):
     bpy.ops.haptic.new_material()
     item = materials.items[0]
     assert item.name == "box 0"
-    item.use_bands = True
-    item.band_decays = (0, 1, 2, 3, 4, 5)
-    item.use_delay, item.wave_speed = True, 123.0
+    item.kappa, item.rho, item.wave_speed = 0.25, 0.5, 123.0
     haptics = boxes[0].haptics
-    assert haptics.material.use_bands
-    assert tuple(haptics.material.band_decays) == (0, 1, 2, 3, 4, 5)
-    assert haptics.wave_speed == pytest.approx(123.0)
-    item.use_delay = False
-    assert haptics.wave_speed == 0
+    assert (haptics.kappa, haptics.rho, haptics.wave_speed) == (0.25, 0.5, 123.0)
 
 
 def test_physical_materials_follow_from_preset_and_size(add_box, traced):

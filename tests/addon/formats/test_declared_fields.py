@@ -23,7 +23,7 @@ from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.io.schema import load_schema
 from haptic_tracing.core.formats.scene.values_json import item_to_dict, read_value
 from haptic_tracing.core.scene.functions import FUNCTIONS, TRANSMISSIONS
-from haptic_tracing.core.scene.impact_rule import ImpactLimits, ImpactRule
+from haptic_tracing.core.scene.impact_rule import ImpactRule
 from haptic_tracing.core.scene.library import LibraryMaterial
 from haptic_tracing.core.scene.rules import ContactSettings
 from haptic_tracing.core.scene.texture import Texture
@@ -33,7 +33,6 @@ OWNERS = {
     Settings: lambda: bpy.context.scene.haptics,
     ContactSettings: lambda: bpy.context.scene.haptics,
     ImpactRule: lambda: bpy.context.scene.haptics.impact_table.items.add(),
-    ImpactLimits: lambda: bpy.context.scene.haptics.impact_table.items.add(),
     Texture: lambda: bpy.context.scene.haptics.textures.items.add(),
     HapticObject: lambda: bpy.data.objects.new("floor", None).haptics,
     Source: lambda: bpy.data.objects.new("drill", None).haptics.source,

@@ -11,18 +11,10 @@ from scene_files import exported
 
 @pytest.fixture
 def oak(add_box):
-    """Two boxes of oak, of which one has a kappa and a conductivity of its own, and a box of what
+    """Two boxes of oak, of which one has a kappa of its own, and a box of what
     no library knows."""
     scene = bpy.context.scene
-    decays = (0.0, 0.01, 0.02, 0.05, 0.1, 0.2)
-    values = {
-        "kappa": 0.3,
-        "rho": 0.7,
-        "use_delay": False,
-        "wave_speed": 3800.0,
-        "use_bands": True,
-        "band_decays": decays,
-    }
+    values = {"kappa": 0.3, "rho": 0.7, "wave_speed": 3800.0}
     item = add_material(scene, "oak", values)
     add_material(scene, "nothing is made of it", {"kappa": 0.9})
     boxes = [

@@ -39,7 +39,5 @@ def test_an_impact_plays_the_template_of_its_pair(drop, materials, pair):
     assert drop(*materials) == impact_template(*pair)
 
 
-def test_it_is_plain_where_a_material_is_unknown_or_it_is_to_be_plain(drop, scene):
+def test_it_is_plain_where_a_material_is_unknown(drop):
     assert drop("Stone", "") == DEFAULT_IMPACT
-    scene.haptics.impact_signal = "PLAIN"
-    assert drop("Stone", "Steel") == DEFAULT_IMPACT

@@ -402,7 +402,7 @@ def valid_object(draw, name):
 
 @st.composite
 def valid_source(draw, name, objects):
-    triggers = st.sampled_from([None, [], [{"on": "hit"}], [{"on": "times", "times": [0.1]}]])
+    triggers = st.sampled_from([None, [], [{"times": [0.1]}]])
     return without_none(
         name=name,
         object=draw(st.sampled_from(objects)),

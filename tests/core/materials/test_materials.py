@@ -4,7 +4,6 @@ shapes and masses."""
 import math
 
 import pytest
-from haptic_tracing.core.scene.bands import BAND_CENTRES, BAND_COUNT
 from haptic_tracing.core.scene.functions import HapticTracing, Spectrum
 from haptic_tracing.core.scene.materials import MATERIALS, absorption, guess, named_in
 from hypothesis import example, given, settings
@@ -38,10 +37,7 @@ def test_values_make_a_function(material):
     assert 0 < material.kappa < 1
     assert 0 < material.rho <= 1
     assert 0.02 < material.k < 0.95
-    assert len(material.band_decays) == BAND_COUNT
-    function = HapticTracing(
-        spectrum=Spectrum(band_decays=material.band_decays, wave_speed=material.wave_speed)
-    )
+    function = HapticTracing(spectrum=Spectrum(wave_speed=material.wave_speed))
     assert 0 < function.gain(1.0, material.kappa, material.rho, 0.1) < 1
     assert material.words[0] == material.name
 
@@ -59,13 +55,6 @@ def test_absorption_is_that_of_a_lossy_plane_wave():
     eta, speed = 0.06, 200.0
     k = 2 * math.pi * 100.0 / (speed * (1 - 1j * eta) ** 0.5)
     assert absorption(eta, speed) == pytest.approx(abs(k.imag) * (1 + eta**2) ** 0.5, rel=5e-3)
-
-
-def test_bands_fall_with_frequency():
-    decays = MATERIALS["rubber"].band_decays
-    assert [d / f for d, f in zip(decays, BAND_CENTRES, strict=True)] == pytest.approx(
-        [decays[0] / BAND_CENTRES[0]] * BAND_COUNT
-    )
 
 
 @pytest.mark.parametrize(

@@ -7,20 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.contacts.settings import Body, ContactSettings, Motion
-from haptic_tracing.core.contacts.shapes import Box, pose_matrix
+from haptic_tracing.core.contacts.settings import Body, Motion
+from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.diagnosis.silence import reasons
-from haptic_tracing.core.events.one_shots import entry
 from haptic_tracing.core.message import sentence
 from haptic_tracing.core.scene.functions import Identity, Physical
 from haptic_tracing.core.scene.functions.modulation import Spectrum
-from haptic_tracing.core.scene.impact_rule import ImpactRule
-from haptic_tracing.core.scene.rule_table import Rule, RuleTable, Side
 from haptic_tracing.core.scene.values import (
     Contact,
     HapticObject,
     Listener,
-    Pose,
     Settings,
     Source,
     SourceKind,
@@ -50,35 +46,6 @@ def still(bell, listeners=(SKIN,)):
     return lambda number, time: Frame(number, time, (PLATE,), (bell,), listeners, contacts=None)
 
 
-def falling(bell, height, size=0.5, listeners=(SKIN,), names=("crate",)):
-    """A crate whose origin falls freely from ``height`` metres, and a plate far away on which the
-    bell is."""
-    crates = [HapticObject(name, 0.3, 0.8, shape=Box((size,) * 3), mass=12.0) for name in names]
-    objects = (replace(PLATE, shape=Box((1, 1, 0.1)), pose=Pose((50.0, 0.0, 0.0))), *crates)
-    bodies = (
-        Body("plate", objects[0].shape, None, Motion.STATIC),
-        *(Body(c.name, c.shape, c.mass) for c in crates),
-    )
-
-    def make(number, time):
-        poses = [
-            objects[0].pose,
-            *(Pose((3.0 * k, 0.0, height - G * time**2 / 2)) for k in range(len(crates))),
-        ]
-        moved = tuple(replace(item, pose=pose) for item, pose in zip(objects, poses, strict=True))
-        return Frame(
-            number,
-            time,
-            moved,
-            (bell,),
-            listeners,
-            bodies=bodies,
-            transforms=np.array([pose_matrix(pose) for pose in poses]),
-        )
-
-    return make
-
-
 def onsets(results):
     return sorted({shot.onset for result in results for shot in result.shots})
 
@@ -92,7 +59,7 @@ def heard(results, listener=0):
 def test_at_given_times_the_signal_is_heard_as_it_is():
     results = play(
         range(25),
-        still(source(Trigger("times", (0.1003, 0.5, 0.52), (1.0, 0.25, 0.5)), amplitude=0.8)),
+        still(source(Trigger((0.1003, 0.5, 0.52), (1.0, 0.25, 0.5)), amplitude=0.8)),
     )
     expected = 0.8 * sum(
         s * KNOCK.sample(0, 8000, 8000.0, t) for t, s in ((0.1003, 1.0), (0.5, 0.25), (0.52, 0.5))
@@ -113,13 +80,10 @@ def test_without_a_trigger_a_source_is_silent_and_one_that_needs_none_is_not():
 
 @pytest.mark.parametrize("first", [1, 7, 12])
 def test_a_part_has_the_bits_of_the_whole_from_the_length_of_the_signal_on(first):
-    bell = source(
-        Trigger("times", (0.05, 0.3, 0.61)),
-        Trigger("passing", object="crate", size=(9, 9, 0), pose=Pose((0, 0, 3.0))),
-    )
-    whole = play(range(30), falling(bell, 5.0))
+    bell = source(Trigger((0.05, 0.3, 0.61)), Trigger((0.4,), (0.5,)))
+    whole = play(range(30), still(bell))
     back = math.ceil(KNOCK.duration * RATE) + 4
-    part = play(range(max(first - back, 0), 30), falling(bell, 5.0))
+    part = play(range(max(first - back, 0), 30), still(bell))
     for one, other in zip(
         whole[max(first, back) :], part[max(first, back) - max(first - back, 0) :], strict=True
     ):
@@ -127,124 +91,11 @@ def test_a_part_has_the_bits_of_the_whole_from_the_length_of_the_signal_on(first
         np.testing.assert_array_equal(one.block, other.block)
 
 
-@pytest.mark.parametrize("height", [1.0, 2.5, 3.99])
-def test_a_body_that_falls_freely_passes_a_plane_when_mechanics_says(height):
-    gate = Trigger("passing", object="crate", size=(2, 2, 0), pose=Pose((0.3, 0.0, height)))
-    found = onsets(play(range(30), falling(source(gate), 4.0)))
-    assert found == pytest.approx([math.sqrt(2 * (4.0 - height) / G)], abs=1e-9)
-
-
-def test_a_region_that_is_turned_is_entered_through_its_corner():
-    """A cube of edge 1 on its edge: a quarter of a turn about x puts its uppermost edge at
-    sqrt(1/2)."""
-    half = math.pi / 8
-    cube = Trigger(
-        "passing",
-        object="crate",
-        size=(1, 1, 1),
-        pose=Pose((0, 0, 0), (math.cos(half), math.sin(half), 0, 0)),
-    )
-    found = onsets(play(range(30), falling(source(cube), 4.0)))
-    assert found == pytest.approx([math.sqrt(2 * (4.0 - math.sqrt(0.5)) / G)], abs=1e-9)
-
-
-def test_who_is_in_a_region_from_the_beginning_does_not_come_in_and_who_passes_by_does_not_either():
-    inside = Trigger("passing", object="crate", size=(9, 9, 9), pose=Pose((0, 0, 4.0)))
-    beside = Trigger("passing", object="crate", size=(1, 1, 0), pose=Pose((0.6, 0, 2.0)))
-    assert onsets(play(range(30), falling(source(inside, beside), 4.0))) == []
-
-
-def test_entries_of_straight_ways():
-    def ways(*points, half=(0.5, 0.5, 0.0)):
-        return entry([np.array(point, dtype=float) for point in points], np.array(half))
-
-    assert ways((0, 0, 3), (0, 0, -1)) == pytest.approx(0.75)  # through a plane, and back
-    assert ways((0, 0, -1), (0, 0, 3)) == pytest.approx(0.25)
-    assert ways((0, 0, 3), (0, 0, 1)) is None
-    assert ways((0, 0, 1), (0, 0, 0)) == pytest.approx(1.0)  # onto it
-    assert ways((0, 0, 0), (0, 0, -1)) is None  # and off it again: that counted when it came
-    assert ways((2, 2, 2), (-2, -2, -2), half=(1, 1, 1)) == pytest.approx(0.25)
-    assert ways((2, 0, 0), (0, 2, 0), half=(0.9, 0.9, 0.9)) is None  # past the corner
-    assert ways((0, 0, 3)) is None
-
-
-def test_a_plane_that_is_passed_between_two_frames_is_not_missed():
-    """A bullet of 900 m/s comes by between two frames, 37.5 m apart."""
-    wall = Trigger("passing", object="bullet", size=(0, 2, 2), pose=Pose((100.0, 0, 1.0)))
-    bell, bullet = source(wall), HapticObject("bullet", 0.3, 0.8)
-    results = play(
-        range(10),
-        lambda n, t: Frame(
-            n,
-            t,
-            (PLATE, replace(bullet, pose=Pose((900.0 * t, 0.5, 1.5)))),
-            (bell,),
-            (SKIN,),
-            contacts=None,
-        ),
-    )
-    assert onsets(results) == pytest.approx([100 / 900], abs=1e-9)
-
-
-def test_on_being_hit_it_plays_at_the_blow_as_the_rule_of_the_two_says():
-    bell = Source("bell", "ground", (1.0, 0.0, 0.0), 0.8, signal=KNOCK, triggers=(Trigger("hit"),))
-    ground = HapticObject(
-        "ground",
-        0.2,
-        0.9,
-        Identity(),
-        shape=Box((40, 40, 1)),
-        pose=Pose((0, 0, -0.5)),
-        material="Stone",
-    )
-    crate = HapticObject("crate", 0.3, 0.8, shape=Box((0.5, 0.5, 0.5)), mass=12.0)
-    bodies = (
-        Body("ground", ground.shape, None, Motion.STATIC, material="Stone"),
-        Body("crate", crate.shape, 12.0),
-    )
-    rule = ImpactRule(gain=(0.0, 0.5), bend=0.5, pitch=(1.0, 2.0))
-    table = RuleTable((Rule((Side(material="Stone"), Side()), rule),))
-    fall, drop = 0.515, G * 0.515**2 / 2
-
-    def make(number, time):
-        height = 0.25 + max(drop - G * time**2 / 2, 0.0)
-        moved = (ground, replace(crate, pose=Pose((0.0, 0.0, height))))
-        return Frame(
-            number,
-            time,
-            moved,
-            (bell,),
-            (Listener("skin", "ground", radius=0.0),),
-            bodies=bodies,
-            transforms=np.array([pose_matrix(item.pose) for item in moved]),
-        )
-
-    for impacts in (True, False):  # the bell needs no knock beside it
-        tracer = Tracer(ContactSettings(full_energy=1000.0, impacts=impacts, impact_table=table))
-        results = play(range(30), make, tracer)
-        shots = {shot for result in results for shot in result.shots}
-        assert [(shot.by, shot.source) for shot in shots] == [("crate", "bell")]
-        (shot,) = shots
-        assert shot.onset == pytest.approx(fall, abs=1e-3)
-        assert shot.strength == pytest.approx(12.0 * G * drop / 1000.0, rel=5e-3)
-        sources = {item.name: item for result in results for item in result.sources}
-        assert (
-            len(sources) == (2 if impacts else 1)
-            and any(result.impacts for result in results) == impacts
-        )
-        played = sources[shot.name]
-        assert played.amplitude == pytest.approx(0.8 * 0.5 * math.sqrt(shot.strength))
-        assert played.signal.pitch == pytest.approx(1.0 + math.sqrt(shot.strength), rel=0.01)
-        assert played.onset == shot.onset and played.position == bell.position
-
-
 def test_a_level_plays_where_it_rises_above_0_with_its_height():
     levels = [0.0, 0.0, 0.5, 0.7, 0.0, -1.0, 2.0, 0.0]
 
     def make(number, time):
-        return Frame(
-            number, time, (PLATE,), (source(Trigger("level", value=levels[number])),), (SKIN,)
-        )
+        return Frame(number, time, (PLATE,), (source(Trigger(value=levels[number])),), (SKIN,))
 
     results = play(range(len(levels)), make)
     assert {(shot.onset, shot.strength) for result in results for shot in result.shots} == {
@@ -254,9 +105,25 @@ def test_a_level_plays_where_it_rises_above_0_with_its_height():
 
 
 def test_a_frame_that_is_come_to_again_has_the_shots_that_it_had():
-    gate = Trigger("passing", object="crate", size=(9, 9, 0), pose=Pose((0, 0, 3.0)))
-    bell = source(gate, Trigger("times", (0.42,)))
-    make, tracer = falling(bell, 4.0), Tracer()
+    def rising(*others):
+        """A level that rises in frame 10."""
+
+        def make(number, time):
+            level = Trigger(value=float(number >= 10))
+            plate = replace(PLATE, shape=Box((1, 1, 0.1)))
+            return Frame(
+                number,
+                time,
+                (plate,),
+                (source(level, *others),),
+                (SKIN,),
+                bodies=(Body("plate", plate.shape, None, Motion.STATIC),),
+                transforms=np.eye(4)[None],
+            )
+
+        return make
+
+    make, tracer = rising(Trigger((0.42,))), Tracer()
     results = play(range(20), make, tracer)
     frame = 11  # both sound
     assert len(results[frame].shots) == 2
@@ -265,15 +132,12 @@ def test_a_frame_that_is_come_to_again_has_the_shots_that_it_had():
         again.sources == results[frame].sources
         and again.amplitudes.tolist() == results[frame].amplitudes.tolist()
     )
-    bell = replace(bell, triggers=(gate,))
-    edited = tracer.step(
-        replace(falling(bell, 4.0)(frame, frame / RATE), continuous=False, restore=True)
-    )
-    assert [shot.on for shot in edited.shots] == ["passing"]
+    edited = tracer.step(replace(rising()(frame, frame / RATE), continuous=False, restore=True))
+    assert [shot.risen for shot in edited.shots] == [True]
 
 
 def test_a_still_frame_shows_the_blow_that_falls_into_it():
-    frame = replace(still(source(Trigger("times", (0.49,))))(12, 0.5), duration=1 / RATE)
+    frame = replace(still(source(Trigger((0.49,))))(12, 0.5), duration=1 / RATE)
     short = replace(frame.sources[0], signal=Impulse(0.002))
     assert [shot.onset for shot in Tracer().step(replace(frame, sources=(short,))).shots] == [0.49]
 
@@ -286,11 +150,9 @@ def test_a_signal_without_an_end_or_that_is_silent_or_too_long_is_refused(signal
 
 def test_wrong_triggers_name_the_key():
     for key, form in (
-        ("times", {"on": "times", "times": (math.nan,)}),
-        ("strengths", {"on": "times", "times": (1.0, 2.0), "strengths": (1.0,)}),
-        ("strengths", {"on": "times", "times": (1.0,), "strengths": (1.5,)}),
-        ("object", {"on": "passing"}),
-        ("size", {"on": "passing", "object": "crate", "size": (1, -1, 1)}),
+        ("times", {"times": (math.nan,)}),
+        ("strengths", {"times": (1.0, 2.0), "strengths": (1.0,)}),
+        ("strengths", {"times": (1.0,), "strengths": (1.5,)}),
     ):
         with pytest.raises(ValueError, match=f"{key}: "):
             Trigger(**form)
@@ -320,7 +182,7 @@ def front(frames, blast, decay=DECAY, rate=RATE):
 
 def test_a_front_arrives_after_distance_over_speed_and_falls_with_the_distance():
     onset = 0.1
-    blast = Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger("times", (onset,)),))
+    blast = Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger((onset,)),))
     results = front(range(12), blast)
     for k, d in enumerate(DISTANCES):
         samples = heard(results, k)
@@ -353,7 +215,7 @@ def test_a_front_reaches_objects_in_the_medium_when_it_is_there():
     )
     touching = ContactSet.from_contacts(contacts, {"air": 0, "pane 1": 1, "pane 2": 2})
     hands = tuple(Listener(f"hand {k}", f"pane {k}", (9.0, 9.0, 9.0), radius=0.0) for k in (1, 2))
-    blast = Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger("times", (0.05,)),))
+    blast = Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger((0.05,)),))
     results = play(
         range(6), lambda n, t: Frame(n, t, (air, *panes), (blast,), hands, contacts=touching)
     )
@@ -367,7 +229,7 @@ def test_what_is_short_is_felt_far_away_long_after_it_was_played():
     """At 34.3 m a blow of 4 ms comes 2.4 frames late, when its source has long been silent."""
     results = front(
         range(9),
-        Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger("times", (0.1,)),)),
+        Source("blast", "air", signal=Impulse(0.004), triggers=(Trigger((0.1,)),)),
         decay=0.0,
     )
     assert [bool(result.sources) for result in results] == [False] * 3 + [True] * 3 + [False] * 3

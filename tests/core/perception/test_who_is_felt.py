@@ -1,10 +1,9 @@
-"""Who is felt among 20 sources, by the published thresholds; and ducking by its stated amount."""
+"""Who is felt among 20 sources, by the published thresholds."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.perception import threshold_level
@@ -110,43 +109,6 @@ def test_what_does_not_arrive_is_not_counted():
     assert felt.sources == () and felt.counts() == (0, 0, 0)
 
 
-@pytest.mark.parametrize(
-    ("level", "turned_down"),
-    [(0.0, 12.0), (-39.9, 12.0), (20 * math.log10(0.0075), 6.0), (-46.1, 0.0)],
-)
-def test_what_has_a_higher_priority_turns_the_rest_down_by_the_stated_amount(level, turned_down):
-    """In full from -40 dB at the listener, fading in over the 6 dB below; half of the amplitudes
-    between, half of the decibels."""
-    sources = [
-        Source("alarm", "plate", amplitude=10 ** (level / 20), signal=Sine(250.0), priority=2.0),
-        Source("motor", "plate", amplitude=0.2, signal=Sine(60.0)),
-        Source("fan", "plate", amplitude=0.2, signal=Sine(90.0), priority=0.5),
-    ]
-    heard = Listener("palm", "plate", ducking=12.0, radius=0.0)
-    samples, free = (
-        source_samples(sounding(sources, item), 0, 0.5, RATE)
-        for item in (heard, Listener("palm", "plate", radius=0.0))
-    )
-    assert samples[0].tobytes() == free[0].tobytes()
-    np.testing.assert_allclose(samples[1], free[1] * 10 ** (-turned_down / 20), rtol=1e-12)
-    # The motor has a higher priority than the fan.
-    np.testing.assert_allclose(samples[2], free[2] * 10 ** (-12.0 / 20), rtol=1e-12)
-
-
-def test_the_mix_has_what_is_turned_down():
-    sources = [
-        Source("a", "plate", amplitude=0.5, signal=Sine(250.0), priority=3.0),
-        Source("b", "plate", amplitude=0.4, signal=Sine(60.0)),
-    ]
-    state = sounding(sources, Listener("palm", "plate", ducking=20.0, radius=0.0))
-    renderer = Renderer(listener_mixes(state.listeners), RATE)
-    voices = source_voices(state)
-    renderer.render_frame(0.0, 0.0, voices)
-    time = np.arange(4000) / RATE
-    mix = 0.5 * np.sin(2 * np.pi * 250 * time) + 0.04 * np.sin(2 * np.pi * 60 * time)
-    assert renderer.render_frame(0.0, 0.5, voices)[0] == pytest.approx(mix, abs=1e-9)
-
-
 def test_bands_and_delays_stay_those_of_the_paths():
     """What the sources give one by one adds up to the mix."""
     function = Physical(
@@ -156,15 +118,10 @@ def test_bands_and_delays_stay_those_of_the_paths():
         Source(f"s{k}", "plate", (0.3 * k, 0.0, 0.5), 0.02, signal=Sine(40.0 * k))
         for k in range(1, 6)
     ]
-    state = sounding(sources, Listener("palm", "plate", ducking=6.0, radius=0.0), function)
+    state = sounding(sources, Listener("palm", "plate", radius=0.0), function)
     renderer = Renderer(listener_mixes(state.listeners), RATE)
     voices = source_voices(state)
     renderer.render_frame(0.0, 0.0, voices)
     assert source_samples(state, 0, 0.25, RATE).sum(axis=0) == pytest.approx(
         renderer.render_frame(0.0, 0.25, voices)[0], abs=1e-9
     )
-
-
-def test_a_ducking_out_of_range_is_refused():
-    with pytest.raises(ValueError, match="ducking: must be from 0 to 60 dB"):
-        Listener("palm", "plate", ducking=61.0, radius=0.0)

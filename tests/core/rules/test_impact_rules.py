@@ -19,19 +19,13 @@ def test_by_default_amplitude_is_the_part_of_the_full_energy():
         assert ImpactRule().played(RING, energy, PAIR, 1.0) == (RING, energy)
 
 
-@pytest.mark.parametrize("bend", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("energy", [0.05, 0.4, 1.0])
-def test_curves_go_from_weak_to_full_with_the_strength(bend, energy):
-    rule = ImpactRule(
-        gain=(0.1, 0.9), pitch=(0.5, 2.0), decay=(0.2, 1.0), brightness=(0.0, 0.6), bend=bend
-    )
+def test_curves_go_from_weak_to_full_with_the_strength(energy):
+    rule = ImpactRule(gain=(0.1, 0.9), pitch=(0.5, 2.0), decay=(0.2, 1.0), brightness=(0.0, 0.6))
     signal, amplitude = rule.played(RING, energy, PAIR, 1.0)
-    strength = energy**bend
-    assert amplitude == pytest.approx(0.1 + 0.8 * strength)
-    assert (signal.decay, signal.brightness) == pytest.approx(
-        (0.2 + 0.8 * strength, 0.6 * strength)
-    )
-    assert signal.pitch == pytest.approx(0.5 + 1.5 * strength, rel=STEP)
+    assert amplitude == pytest.approx(0.1 + 0.8 * energy)
+    assert (signal.decay, signal.brightness) == pytest.approx((0.2 + 0.8 * energy, 0.6 * energy))
+    assert signal.pitch == pytest.approx(0.5 + 1.5 * energy, rel=STEP)
     assert signal.of is RING
 
 
@@ -76,7 +70,7 @@ def test_pitch_and_decay_keep_what_a_template_allows():
      ({"template": Gain(RING, 0.0)}, "template: .* silent"), ({"template": Sampled([0.0, 0.0])}, "template: .* silent"),
      ({"template": Constant(1e-5, 1.0)}, "template: .* silent"), ({"template": "loud"}, "loud"), ({"gain": (0.0, 1.5)}, "gain"),
      ({"pitch": (0.0, 1.0)}, "pitch"), ({"decay": (math.nan, 1.0)}, "decay"),
-     ({"brightness": (-1.0, 1.0)}, "brightness"), ({"bend": 0.0}, "bend"),
+     ({"brightness": (-1.0, 1.0)}, "brightness"),
      ({"variation": 2.0}, "variation")],
 )  # fmt: skip
 def test_faults_are_named(arguments, words):

@@ -123,7 +123,6 @@ def random_scene(seed, settings, banded):
             gain=float(random.uniform(0.2, 3)),
             mixing=("cumulative", "weighted", "strongest", "power")[k],
             limiter=bool(k % 2),
-            ducking=6.0 * (k == 2),
             radius=0.0,
         )
         for k in range(4)

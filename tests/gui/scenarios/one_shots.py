@@ -29,11 +29,7 @@ def steps(window):
         10.0,
     )
     yield from window.screenshot("one-shot")
-    source.trigger_markers, source.trigger_object, source.trigger_region = (
-        "Shot",
-        "Crate*",
-        "nowhere",
-    )
+    source.trigger_markers = "Shot"
 
     def said():
         return {
@@ -42,9 +38,9 @@ def steps(window):
             if problem.object == barrel.name and problem.rule
         }
 
-    yield from window.wait_until(lambda: said() == {"trigger_markers", "trigger_region"})
+    yield from window.wait_until(lambda: said() == {"trigger_markers"})
     yield from window.screenshot("one-shot-with-problems")
-    source.trigger_markers, source.trigger_object, source.trigger_region = "", "", ""
+    source.trigger_markers = ""
     scene.frame_set(1)
     heard = []
 

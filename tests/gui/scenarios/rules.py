@@ -33,7 +33,7 @@ def steps(window):
         "FILE",
         "/nowhere/knock.wav",
     )
-    rule.use_limits, rule.variation = True, 0.2
+    rule.variation = 0.2
 
     def said():
         return [
