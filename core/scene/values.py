@@ -363,8 +363,7 @@ class Source:
     priority: float = number(
         1.0,
         "Priority",
-        "Weight of this source where a listener mixes by priority; where one ducks, higher "
-        "ones turn lower ones down",
+        "Weight of this source where a listener mixes by priority",
         0.0,
         soft=(0.0, 10.0),
     )

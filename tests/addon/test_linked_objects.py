@@ -40,6 +40,9 @@ def _fill(add_box: Any, collection: Any) -> None:
     objects["Fan"].haptics.source.muted = True
     bell, ball = objects["Bell"].haptics.source, objects["Ball"]
     bell.one_shot, bell.decay = True, 0.1
+    for frame, trigger in ((1, 0.0), (4, 1.0)):
+        bell.trigger = trigger
+        objects["Bell"].keyframe_insert("haptics.source.trigger", frame=frame)
     for frame, height in ((1, 6.0), (5, 2.0)):
         ball.location.z = height
         ball.keyframe_insert("location", frame=frame)
@@ -93,15 +96,14 @@ def test_the_calibration_of_a_linked_listener_counts(scene: Any, linked: dict[st
     assert live.full_scale and calibrated(baked).full_scale == live.full_scale
 
 
-def test_a_linked_source_is_triggered_by_its_own_rig(scene: Any, linked: dict[str, Any]) -> None:
+def test_a_linked_source_is_triggered_by_its_own_keys(scene: Any, linked: dict[str, Any]) -> None:
     rung = []
     for frame in range(1, 8):
         scene.frame_set(frame)
         names = [source.name for source in session.result_of(scene).sources]
         rung.append(any("Bell" in name for name in names))
         assert session.problems_of(scene) == ()
-    # The ball passes the gate half-way, in frame 3.
-    assert rung[:2] == [False, False] and rung[3]
+    assert rung[:4] == [False, False, False, True]
 
 
 def test_why_a_linked_source_is_silent(

@@ -27,22 +27,12 @@ FREE = {
 }
 """Settings that need no example, by what they are of."""
 DESIGNERS = {
-    "scene.impacts_in_units": "a file in centimetres: energies are those of its units",
-    "scene.impact_table.items.use_limits": "a pair whose weak blows shall be felt, too",
-    "scene.impact_table.items.least_energy": "as above: from which energy on",
-    "scene.impact_table.items.refractory": "as above: how soon a blow follows another",
     "scene.impact_table.items.pitch": "a pair that sounds higher or lower than its materials",
-    "scene.impact_table.items.bend": "how a rule's curves rise with the strength",
-    "scene.impact_signal": "blows of one signal, whatever the materials",
-    "scene.refractory_time": "drums and dice: how soon a blow follows another",
     "scene.contact_tolerance": "models with gaps: up to which gap objects touch",
-    "scene.materials.items.use_delay": "long bodies, in which vibration takes its time",
-    "*.use_bands": "materials that attenuate high frequencies more",
-    "*.band_decays": "as above: by how much in each band",
     "scene.transmission_table.items.*": "a contact that passes on less, or by its own function",
+    "object.spring_loss": "a mount that rings longer or shorter",
     "object.constant": "the gain of the function Constant",
     "object.expression": "the formula of the function Expression",
-    "object.sunk_in": "feet that are modelled into the ground",
     "object.density": "a body of another density than its material's",
     "object.plate_thickness": "a plate or shell",
     "object.reference_distance": "a source that is larger than a point",
@@ -50,9 +40,8 @@ DESIGNERS = {
     "object.source.trigger_*": "one-shots at markers, blows, and where something passes",
     "object.source.priority": "what is felt first in a mix",
     "object.listener.mixing*": "how sources add up in a listener",
-    "object.listener.ducking": "as above: by how much the first lowers the others",
 }
-MOST_SETTINGS, MOST_OPERATORS = 159, 61
+MOST_SETTINGS, MOST_OPERATORS = 142, 60
 
 
 def settings() -> Iterator[str]:

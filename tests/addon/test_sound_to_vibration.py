@@ -247,7 +247,7 @@ def test_the_volume_of_a_strip_and_its_fades_count(scene, convert, tmp_path):
         for key in curve.keyframe_points:
             key.interpolation = "LINEAR"
     convert()
-    assert signal_of(scene).of[0].of[0].at(np.array([0.5, 1.0, 1.5]), 1e-3) == pytest.approx(
+    assert signal_of(scene).of[0].at(np.array([0.5, 1.0, 1.5]), 1e-3) == pytest.approx(
         [0.125, 0.25, 0.375], rel=0.05
     )
 
