@@ -69,7 +69,7 @@ def add_rules(scene: Scene, armature: Object, skin: Object) -> None:
         if second:
             rule.second_kind, rule.second, rule.gain = "OBJECT", second, (0.0, 0.0)
         else:
-            rule.use_limits, rule.full_energy = True, _FULL_ENERGY
+            rule.full_energy = _FULL_ENERGY
 
 
 def ground_of(scene: Scene, armature: Object, feet: Sequence[Object]) -> list[Object]:

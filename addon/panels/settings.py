@@ -71,6 +71,7 @@ class HAPTIC_PT_impacts(ScenePanel):
             layout.prop(rule, "filepath")
         if rule.template == "DRAWN":
             layout.prop(rule, "drawing")
+        layout.prop(rule, "full_energy")
         curves = {curve: partial(_draw_curve, rule, curve) for curve in CURVES}
         draw_held(layout, rule, ImpactRule, seed=partial(_draw_seed, rule), **curves)
 

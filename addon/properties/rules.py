@@ -9,7 +9,7 @@ from __future__ import annotations
 from bpy.props import CollectionProperty, IntProperty
 from bpy.types import PropertyGroup
 
-from ...core.scene.impact_rule import TEMPLATES, ImpactRule
+from ...core.scene.impact_rule import TEMPLATES, ImpactLimits, ImpactRule
 from ...core.scene.texture import Texture
 from .callbacks import scene_changed, updating
 from .declared import holding, items_of
@@ -38,6 +38,9 @@ SIDE_ITEMS = (
 
 _SIDE = "Whether this side of the rule is one object, a material or anything"
 _NAME = "Name of the object or material, or a pattern"
+_FULL = (
+    "A collision of this energy, in joules, plays the signal at full strength; 0: that of the scene"
+)
 
 
 class RuleScope:
@@ -57,6 +60,7 @@ class TableRows:
 
 @updating(scene_changed, animated=False)
 @holding(ImpactRule)
+@holding(ImpactLimits, "full_energy", more={"full_energy": {"description": _FULL}})
 class HapticImpactRule(RuleScope, PropertyGroup):
     """The rule for impacts between some objects."""
 

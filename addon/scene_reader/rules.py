@@ -14,7 +14,7 @@ from bpy.types import Scene
 
 from ...core.formats import registry
 from ...core.forms import JsonObject
-from ...core.scene.impact_rule import ImpactRule, ImpactTemplates
+from ...core.scene.impact_rule import ImpactLimits, ImpactRule, ImpactTemplates
 from ...core.scene.rule_table import MOST_ROWS, Rule, RuleTable, Side
 from ...core.scene.texture import Texture
 from ...core.scene.values import HapticObject
@@ -81,12 +81,13 @@ def _between(
 def read_impact_rule(row: Any) -> tuple[ImpactRule, str]:
     """The impact rule of a row, and why its signal cannot be played, "" if it can. A rule whose
     signal cannot be played has the one by material."""
+    limits = ImpactLimits(**read_values(ImpactLimits, row)) if row.full_energy else None
     template, fault = ImpactRule().template, ""
     try:
         template = ImpactRule(_template(row)).template
     except (OSError, ValueError) as error:
         fault = str(error)
-    return ImpactRule(template=template, **read_values(ImpactRule, row)), fault
+    return ImpactRule(template=template, limits=limits, **read_values(ImpactRule, row)), fault
 
 
 def read_texture(row: Any) -> tuple[Texture, str]:

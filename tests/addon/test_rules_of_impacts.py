@@ -129,6 +129,13 @@ def test_a_drawn_signal_is_played_once_in_frames_after_its_edit_too(scene, blow)
     )
 
 
+def test_its_own_full_energy_counts_for_the_pair(scene, blow):
+    by_scene = blow().amplitude
+    scene.frame_set(1)
+    add_rule(scene, first_kind="OBJECT", first="crate", full_energy=1e4)
+    assert blow().amplitude < by_scene / 2
+
+
 def test_without_rows_impacts_are_those_of_the_scene(scene, blow):
     assert blow().signal == impact_template("stone", "wood")
 
@@ -238,6 +245,7 @@ def test_the_table_is_written_to_files(scene, crate, tmp_path):
         first="crate",
         second_kind="MATERIAL",
         second="Stone*",
+        full_energy=70.5,
     )
     values = {"gain": (0.25, 0.75), "pitch": (0.5, 2.0), "brightness": (0.1, 0.9)}
     add_rule(scene, template="PLAIN", variation=0.2, seed=5, **values)
@@ -245,6 +253,7 @@ def test_the_table_is_written_to_files(scene, crate, tmp_path):
     written = read_scene(tmp_path / "a.json")
     first, second = written.rules.impact_table.rows
     assert first.between == (Side(object="crate"), Side(material="Stone*"))
+    assert first.value.limits.full_energy == 70.5 and second.value.limits is None
     assert second.value == ImpactRule("plain", variation=0.2, seed=5, **values)
     assert {item.name: item.material for item in written.objects} == {
         "crate": "Softwood",

@@ -41,7 +41,7 @@ DESIGNERS = {
     "object.source.priority": "what is felt first in a mix",
     "object.listener.mixing*": "how sources add up in a listener",
 }
-MOST_SETTINGS, MOST_OPERATORS = 142, 60
+MOST_SETTINGS, MOST_OPERATORS = 143, 61
 
 
 def settings() -> Iterator[str]:
