@@ -130,6 +130,8 @@ class HAPTIC_OT_add_footsteps(Edit):
         if not feet:
             raise TranslatedError("'{}' has no bones of feet", armature.name)
         skins = [skin for skin in body_kit.skins(armature) if skin.data.vertices]
+        if not skins:
+            raise TranslatedError("'{}' moves no mesh", armature.name)
         if not any(child.rigid_body for child in armature.children):
             soles = [footsteps.add_sole(foot, skins[0], context.collection) for foot in feet]
             materials.make_haptic(scene, dict.fromkeys(soles, MATERIALS["flesh"]))

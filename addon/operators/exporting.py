@@ -257,36 +257,50 @@ class HAPTIC_OT_export_tracks(RangeExport, Action):
             "filter_glob": StringProperty(
                 default=";".join(f"*{ending}" for ending in cls.endings), options={"HIDDEN"}
             ),
-            "format": choice(
-                "Format",
-                "Where it will be felt",
-                tuple((name, form.label, "") for name, form in formats.items()),
-                default="wav",
+            "formats": choice(
+                "Formats",
+                "Where it will be felt; Shift adds a format",
+                tuple(
+                    (name, form.label, "", "NONE", 1 << number)
+                    for number, (name, form) in enumerate(formats.items())
+                ),
+                default={"wav"},
+                options={"ENUM_FLAG"},
             ),
             **option_properties(formats),
         }
 
     @property
     def filename_ext(self) -> str:
-        return named(self.format).suffix
+        return named((*self._wanted(), "wav")[0]).suffix
 
     def draw(self, context: Context) -> None:
         layout = self.options_layout()
-        layout.prop(self, "format")
+        layout.column(align=True).props_enum(self, "formats")
         self.draw_range(layout)
-        draw_options(layout, self, self.format)
-        draw_losses(
-            layout,
-            self.format,
-            capture.expected(context.scene, True, self.collection),
-            chosen(self, self.format),
-        )
+        export = capture.expected(context.scene, True, self.collection)
+        for name in self._wanted():
+            layout.label(text=named(name).label)
+            draw_options(layout, self, name)
+            draw_losses(layout, name, export, chosen(self, name))
+
+    def _wanted(self) -> list[str]:
+        """The chosen formats, in their order."""
+        return [name for name in track_formats() if name in self.formats]
 
     def apply(self, context: Context) -> set[str]:
-        write = track_writer(
-            self.format, Path(bpy.path.abspath(self.filepath)).parent, chosen(self, self.format)
+        folder = Path(bpy.path.abspath(self.filepath)).parent
+        writers = [track_writer(name, folder, chosen(self, name)) for name in self._wanted()]
+        if not writers:
+            raise TranslatedError("Choose a format")
+        return self.captured(
+            context,
+            False,
+            True,
+            lambda export, running: [
+                report for write in writers for report in write(export, running)
+            ],
         )
-        return self.captured(context, False, True, write)
 
 
 def track_writer(

@@ -38,7 +38,7 @@ def written(folder, first, last):
     """The samples (n,) of the only listener, as exported, and their rate."""
     path = folder / "felt.wav"
     bpy.ops.export_scene.haptic_tracks(
-        filepath=str(path), format="wav", frame_start=first, frame_end=last
+        filepath=str(path), formats={"wav"}, frame_start=first, frame_end=last
     )
     with wave.open(str(path)) as file:
         samples = np.frombuffer(file.readframes(file.getnframes()), dtype="<i2")

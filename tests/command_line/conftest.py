@@ -43,6 +43,6 @@ def falling(registered, tmp_path_factory):
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "hammer.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(folder / "hammer.blend"))
     bpy.ops.export_scene.haptic_tracks(
-        filepath=str(folder / "addon.wav"), format="wav", frame_start=1, frame_end=30
+        filepath=str(folder / "addon.wav"), formats={"wav"}, frame_start=1, frame_end=30
     )
     return folder

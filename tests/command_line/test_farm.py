@@ -63,7 +63,7 @@ def test_an_export_run_as_a_job_is_the_export(tmp_path):
         build_sample("hammer_nail")
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "hammer.blend"))
         bpy.ops.export_scene.haptic_tracks(
-            filepath=str(tmp_path / "addon.wav"), format="wav", frame_start=1, frame_end=12
+            filepath=str(tmp_path / "addon.wav"), formats={"wav"}, frame_start=1, frame_end=12
         )
     finally:
         haptic_tracing.unregister()

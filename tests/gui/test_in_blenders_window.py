@@ -41,6 +41,11 @@ def test_ten_situations_show_few_buttons(play):
     assert all(seen.values()), seen
 
 
+def test_a_clip_for_a_pad_in_thirteen_clicks(play):
+    seen = played_through(play(SCENARIOS / "clip.py"))
+    assert all(seen.values()), seen
+
+
 def test_inspection_and_table(play):
     seen = played_through(play(SCENARIOS / "inspection.py"))
     assert all(seen.values()), seen

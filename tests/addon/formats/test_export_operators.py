@@ -110,7 +110,7 @@ def test_every_format_is_written(shaken, tmp_path, name):
     suffix = named(name).suffix
     target = tmp_path / f"ride{suffix}"
     assert bpy.ops.export_scene.haptic_tracks(
-        filepath=str(target), format=name, frame_start=1, frame_end=13
+        filepath=str(target), formats={name}, frame_start=1, frame_end=13
     ) == {"FINISHED"}
     files = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert any(path.name.endswith(suffix) for path in files) and not any(
@@ -127,13 +127,13 @@ def test_every_format_is_written(shaken, tmp_path, name):
 def test_options_reach_the_format(shaken, tmp_path):
     bpy.ops.export_scene.haptic_tracks(
         filepath=str(tmp_path / "a.hjif"),
-        format="hjif",
+        formats={"hjif"},
         frame_end=5,
         hjif_profile="Simple Parametric",
     )
     assert json.loads((tmp_path / "a.hjif").read_text())["profile"] == "Simple Parametric"
     bpy.ops.export_scene.haptic_tracks(
-        filepath=str(tmp_path / "a.wav"), format="wav", frame_end=5, wav_sample_rate=4000
+        filepath=str(tmp_path / "a.wav"), formats={"wav"}, frame_end=5, wav_sample_rate=4000
     )
     (channel, _) = registry.read(tmp_path / "a.wav").channels
     assert channel.sample_rate == 4000
@@ -287,7 +287,7 @@ def test_cancelled_while_it_writes(tmp_path):
 def test_a_bake_is_exported_without_tracing(shaken, tmp_path):
     from haptic_tracing.addon.bake.playback import fitting_track
 
-    arguments = {"format": "wav", "frame_start": 2, "frame_end": 9}
+    arguments = {"formats": {"wav"}, "frame_start": 2, "frame_end": 9}
     bpy.ops.export_scene.haptic_tracks(filepath=str(tmp_path / "traced.wav"), **arguments)
     assert fitting_track(shaken, 1, 13) is None
     bpy.ops.haptic.bake()
@@ -345,14 +345,14 @@ def test_tact_without_a_body_part_is_an_error_with_its_cure(shaken, tmp_path):
         match=r"no listener is where a bHaptics device is worn: give one such a body part",
     ):
         bpy.ops.export_scene.haptic_tracks(
-            filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3
+            filepath=str(tmp_path / "a.tact"), formats={"tact"}, frame_start=1, frame_end=3
         )
     assert list(tmp_path.iterdir()) == []
     next(
         obj for obj in shaken.objects if obj.haptics.listener.enabled
     ).haptics.listener.body_part = "foot.L"
     bpy.ops.export_scene.haptic_tracks(
-        filepath=str(tmp_path / "a.tact"), format="tact", frame_start=1, frame_end=3
+        filepath=str(tmp_path / "a.tact"), formats={"tact"}, frame_start=1, frame_end=3
     )
     assert [path.suffix for path in tmp_path.iterdir()] == [".tact"]
 

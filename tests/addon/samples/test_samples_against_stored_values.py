@@ -89,7 +89,7 @@ def test_from_building_to_the_files_of_all_formats(build, tmp_path, name):
     for kind in {"wav", *list(catalogue.formats())[share::SHARES]} - {"scene"}:
         target = tmp_path / kind / f"{name}{named(kind).suffix}"
         target.parent.mkdir()
-        arguments = {"format": kind, "frame_start": first, "frame_end": last}
+        arguments = {"formats": {kind}, "frame_start": first, "frame_end": last}
         assert bpy.ops.export_scene.haptic_tracks(filepath=str(target), **arguments) == {"FINISHED"}
         files = [file for file in target.parent.rglob("*") if file.is_file()]
         assert files and all(file.stat().st_size for file in files)

@@ -18,7 +18,7 @@ def steps(window):
     scene.frame_set(40)
     yield
 
-    yield from browse(window, "haptic_tracks", folder / "ride.hjif", format="hjif")
+    yield from browse(window, "haptic_tracks", folder / "ride.hjif", formats={"hjif"})
     window.save_picture("formats-tracks")
     yield from press_in_browser("RET")
     yield from until(lambda: job.Job.in_window is not None and 0 < job.Job.in_window.factor < 1)
@@ -31,7 +31,7 @@ def steps(window):
         not list(folder.iterdir()) and scene.frame_current == 40
     )
 
-    yield from browse(window, "haptic_tracks", folder / "ride.hjif", format="hjif")
+    yield from browse(window, "haptic_tracks", folder / "ride.hjif", formats={"hjif"})
     yield from press_in_browser("RET")
     yield from until((folder / "ride.hjif").is_file)
     yield from until(lambda: job.Job.in_window is None)
@@ -43,7 +43,7 @@ def steps(window):
     )
 
     for _ in range(2):
-        yield from browse(window, "haptic_tracks", folder / "poor.tact", format="tact")
+        yield from browse(window, "haptic_tracks", folder / "poor.tact", formats={"tact"})
         yield from press_in_browser("RET")
         yield from until(lambda: job.Job.in_window is not None)
         yield from until(lambda: job.Job.in_window is None or job.Job.in_window.question)

@@ -10,6 +10,7 @@ def steps(window):
     window.open_only("HAPTIC_PT_result")
     session = window.module("addon.session.session")
     yield from window.show_sidebar()
+    scene.haptics.meters.show = False
     bpy.ops.haptic.select_object(name="hand.L")
     scene.frame_set(scene.frame_start + 4)
     bpy.ops.ed.undo_push(message="Sample")

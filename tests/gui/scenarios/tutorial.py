@@ -84,9 +84,9 @@ def steps(window):
         r"(?<=[^\n|])\n(?=[^\n|])", " ", written
     )  # a paragraph in a line, wherever its lines are broken
     scene = bpy.context.scene
-    session, colours = (
+    session, watched = (
         window.module("addon.session.session"),
-        window.module("addon.view.colour_map"),
+        window.module("addon.view.watched"),
     )
     bpy.data.objects.remove(bpy.data.objects["Cube"])
 
@@ -202,12 +202,14 @@ def steps(window):
         scene.frame_current == strikes and len(result.impacts) == 1
     )
     (gain,) = result.amplitudes[-1]
-    said = colours.decibel_text(float(gain))
+    said = watched.levels_of(scene)[0].margin_text()
     window.seen[f"the label says {said}"] = said == re.search(r"label says (\S+ dB)", text)[1]
     yield from window.screenshot("struck")
     select("Hammer")
     yield from window.scroll_sidebar(-60)
-    yield from window.click_button("haptics.material.name", at=0.87)
+    yield from window.point_at('haptics.materials.items["Steel"].kappa')
+    window.point(window.mouse[0], window.mouse[1] + 20)
+    yield from window.press("LEFTMOUSE")
     yield 1.0
     window.save_picture("materials")
     yield from window.click_in_popup("haptic.apply_material", -339, -155)
