@@ -18,7 +18,7 @@ TESTS_AND_TYPES = @( $(TYPES) ) > build/types.txt 2>&1 & types=$$!; \
 # Compiled modules are kept, whatever the environment says: the tests start Python some hundred times.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: packages-for-demo packages-for-test help demo test test-quick test-heart test-more stress fuzz soak lint style format test-matrix $(MATRIX:%=test-%) test-gui test-vr test-godot docs validate package wheels bench samples clean
+.PHONY: packages-for-demo packages-for-test help demo test test-quick test-heart test-more stress fuzz soak stability lint style format test-matrix $(MATRIX:%=test-%) test-gui test-vr test-godot docs validate package wheels bench samples clean
 .DELETE_ON_ERROR:
 
 help:
@@ -31,6 +31,7 @@ help:
 	@echo "make stress       edits, undo, load, render and removed scenes in 20 random orders of 2,000, each result against a fresh trace"
 	@echo "make fuzz         a million random inputs for all readers, formulas, stored properties and network messages"
 	@echo "make soak         half an hour of live output on four made-up devices: lags, missed deadlines, memory, files and threads"
+	@echo "make stability    scenes at the ends of what numbers can hold, against closed forms: a table and a plot"
 	@echo "make lint         linters and types; make format mends what can be mended by itself"
 	@echo "make test-matrix  the suite on bpy $(MATRIX)"
 	@echo "make test-gui BLENDER=path/to/blender   the suite in Blender's own window"
@@ -62,6 +63,9 @@ test-more: packages-for-test .venv/complete
 
 stress: packages-for-test .venv/complete
 	$(PYTHON) -m pytest tests/addon/test_stress.py --stress-seeds 20 --stress-operations 2000
+
+stability: packages-for-test .venv/complete
+	$(PYTHON) -m benchmarks.stability
 
 fuzz: .venv/complete
 	$(PYTHON) tests/addon/fuzzing --inputs 1000000
