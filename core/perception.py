@@ -132,6 +132,12 @@ def threshold_level(
     return np.asarray(_DEPTH * bend**2 + 20 * np.log10(best / full_scale.acceleration(hertz)))
 
 
+@lru_cache(maxsize=256)
+def lowest_threshold(full_scale: FullScale | None = None) -> float:
+    """The lowest threshold of feeling at any tactile frequency [dB of full scale]."""
+    return float(threshold_level(np.arange(_LOWEST, _HIGHEST + 1), full_scale).min())
+
+
 def _felt_energy(
     samples: FloatArray, sample_rate: float, devices: Sequence[FullScale | None]
 ) -> tuple[FloatArray, FloatArray]:

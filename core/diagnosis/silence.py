@@ -12,7 +12,9 @@ from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Decibels, Hertz, Message, Seconds, sentence
 from ..perception import dominant_frequency, sensation_level
 from ..propagation.modes import nearest_listener
+from ..render.arrival import are_unfelt
 from ..render.frame_result import FrameResult
+from ..render.history import still_samples
 from ..render.levels import vibration_rms
 from ..scene.values import Mode, Settings, Source
 from .gaps import Surroundings, complete_graph, gap_message
@@ -92,6 +94,9 @@ def _arrival_messages(
     strongest = max(arriving, key=lambda row: float(result.amplitudes[row, listener]))
     name = result.sources[strongest].name
     gain = Decibels(NEPER * np.log(float(result.gains[strongest, listener])))
+    unfelt = are_unfelt(result.sources, result.listeners, result.propagation)
+    if unfelt[arriving, listener].all():  # so nothing was rendered
+        recent = still_samples(result)[listener]
     if not np.any(recent):
         return (Message.of(Cause.PAUSE, name, source=name, gain=gain),)
     margin = float(sensation_level(recent, result.sample_rate, [item.device]))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import FloatArray
 from ..scene.values import Listener
+from .arrival import are_unfelt
 from .frame_result import FrameResult, Sounding
 from .mixing import MixingExpression
 from .renderer import SAMPLE_RATE, ListenerMix, Renderer
@@ -65,10 +66,10 @@ class Mixdown:
             return None
         if self._skipped and self.before is not None:
             self._renderer = primed(
-                mixes, self.sample_rate, self.before.time, source_voices(self.before)
+                mixes, self.sample_rate, self.before.time, rendered_voices(self.before)
             )
             self._skipped = False
-        return self._renderer.render_frame(start, end.time, source_voices(end))
+        return self._renderer.render_frame(start, end.time, rendered_voices(end))
 
 
 def with_block(result: FrameResult) -> FrameResult:
@@ -78,9 +79,9 @@ def with_block(result: FrameResult) -> FrameResult:
     if result.block is not None or before is None:
         return result
     renderer = primed(
-        listener_mixes(result.listeners), result.sample_rate, before.time, source_voices(before)
+        listener_mixes(result.listeners), result.sample_rate, before.time, rendered_voices(before)
     )
-    block = renderer.render_frame(before.time, result.time, source_voices(result))
+    block = renderer.render_frame(before.time, result.time, rendered_voices(result))
     return replace(result, block=block)
 
 
@@ -135,4 +136,14 @@ def source_voices(state: Sounding | FrameResult) -> list[Voice]:
             priority=source.priority,
         )
         for row, source in enumerate(sources)
+    ]
+
+
+def rendered_voices(state: Sounding | FrameResult) -> list[Voice]:
+    """`source_voices` without what lies so far under a listener's threshold of feeling that it is
+    not rendered."""
+    heard = ~are_unfelt(state.sources, state.listeners, state.propagation)
+    return [
+        voice._replace(gains=voice.gains * (row if voice.gains.ndim == 1 else row[:, None]))
+        for voice, row in zip(source_voices(state), heard, strict=True)
     ]

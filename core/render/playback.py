@@ -17,7 +17,7 @@ import numpy as np
 from ..arrays import FloatArray
 from ..frozen import frozen
 from .frame_result import FrameResult
-from .mixdown import listener_mixes, primed, source_voices, steady
+from .mixdown import listener_mixes, primed, rendered_voices, steady
 from .renderer import ListenerMix, Renderer, sample_index
 from .voices import Voice
 
@@ -114,8 +114,8 @@ class Playback:
         if played is None or listener_mixes(played.result.listeners) != mixes:
             return None
         now = played.start + elapsed
-        voices = source_voices(result)
-        if now >= played.end or _are_alike(voices, source_voices(played.result)):
+        voices = rendered_voices(result)
+        if now >= played.end or _are_alike(voices, rendered_voices(played.result)):
             return None
         self._renderer = _primed(played.result, now, self._late)
         samples = self._renderer.render_frame(now, played.end, self._voices(result, now))
@@ -135,7 +135,7 @@ class Playback:
         late = dict(self._late)
 
         def render() -> FloatArray:
-            voices = _with_late_onsets(source_voices(result), late)
+            voices = _with_late_onsets(rendered_voices(result), late)
             return _primed(result, time, late).render_frame(time, time + seconds, voices)
 
         return render
@@ -224,10 +224,10 @@ class Playback:
         """The voices of a result in a block that begins at ``begun`` [s]. Voices whose onset lies
         before that, but after the last result, were not known in time: they begin with the
             block."""
-        voices = source_voices(result)
+        voices = rendered_voices(result)
         shown = self._shown
         if shown is not None and shown.time < begun:
-            known = {voice.key for voice in source_voices(shown)} | self._late.keys()
+            known = {voice.key for voice in rendered_voices(shown)} | self._late.keys()
             self._late.update(
                 {
                     voice.key: begun
@@ -277,7 +277,7 @@ def _are_alike(voices: list[Voice], others: list[Voice]) -> bool:
 def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> Renderer:
     """A renderer that continues from ``time`` [s] with the gains of ``shown`` and a settled
     limiter; ``late``: onsets of voices that began late, by key [s]."""
-    voices = _with_late_onsets(source_voices(shown), late)
+    voices = _with_late_onsets(rendered_voices(shown), late)
     times = [time]
     earlier = voices
     if shown.block is not None and shown.time <= time:  # its lines of gains may bend here
@@ -287,7 +287,7 @@ def _primed(shown: FrameResult, time: float, late: Mapping[Hashable, float]) -> 
             shown.time,
             time,
         ]
-        earlier = [] if before is None else source_voices(before)
+        earlier = [] if before is None else rendered_voices(before)
     renderer = primed(listener_mixes(shown.listeners), shown.sample_rate, times[0], earlier)
     for begun, end in pairwise(times):
         if begun < end:
@@ -300,7 +300,7 @@ def grain(result: FrameResult, frame_seconds: float) -> FloatArray:
     the start of its interval, faded in and out."""
     renderer = Renderer(listener_mixes(result.listeners), result.sample_rate)
     return _shaped(
-        steady(renderer, result.time - frame_seconds, GRAIN, source_voices(result)),
+        steady(renderer, result.time - frame_seconds, GRAIN, rendered_voices(result)),
         result.sample_rate,
     )
 

@@ -67,7 +67,7 @@ class Stream:
         tail = 0.0 if self.row_count == 1 else bank_reach(sample_rate) / sample_rate
         self.end = self.onset + self.signal.duration + tail
         self.settled = self.onset + tail
-        self.tone = _steady_tone(self.signal, sample_rate)
+        self.tone = steady_tone(self.signal, sample_rate)
         self.is_recorded = voice.delays is not None and _is_recorded(self.signal)
         self.is_brief = (self.end - self.onset) * sample_rate <= _BRIEF
 
@@ -166,7 +166,7 @@ def _is_recorded(signal: Signal) -> bool:
     return any(_is_recorded(part) for part in (within if isinstance(within, tuple) else (within,)))
 
 
-def _steady_tone(signal: Signal, sample_rate: float) -> Sine | None:
+def steady_tone(signal: Signal, sample_rate: float) -> Sine | None:
     """Return the signal where it is a tone of one frequency and strength that the samples can
     carry."""
     if (

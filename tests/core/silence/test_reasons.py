@@ -232,6 +232,16 @@ def test_under_the_threshold_of_feeling():
     assert reason["margin"] > 0
 
 
+def test_so_far_under_it_that_nothing_is_rendered():
+    one = chain()
+    soft = replace(one.sources[0], amplitude=1e-4, signal=Sine(100.0))
+    (reason,) = why(replace(one, sources=(soft,)))
+    assert reason.cause is Cause.NOT_FELT
+    assert reason["gain"] == pytest.approx(-0.2 * 2 * 20 / math.log(10))
+    assert reason["level"] == pytest.approx(-80 - 3.01 + reason["gain"], abs=0.5)
+    assert reason["margin"] > 20
+
+
 def test_a_pause_in_the_signal():
     assert why(chain(), recent=np.zeros(100))[0].cause is Cause.PAUSE
 
