@@ -78,13 +78,14 @@ def draw_properties(layout: UILayout, owner: Any, *names: str) -> None:
 def draw_held(
     layout: UILayout, owner: Any, cls: type, **own: Callable[[UILayout], None] | None
 ) -> None:
-    """Draw those properties of ``owner`` that hold fields of ``cls``, in the order of the fields.
-    ``own``: functions that draw some of them in another way, or None for those drawn elsewhere."""
+    """Draw those properties of ``owner`` that hold fields of ``cls`` and are no hidden ones, in the
+    order of the fields. ``own``: functions that draw some of them in another way, or None for those
+    drawn elsewhere."""
     for key, name in owner.held.get(cls, {}).items():
         draw = own.get(key)
         if draw is not None:
             draw(layout)
-        elif key not in own:
+        elif key not in own and not owner.bl_rna.properties[name].is_hidden:
             layout.prop(owner, name)
 
 

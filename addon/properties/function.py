@@ -44,7 +44,12 @@ def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
 @holding(Constant, gain_value="constant")
 @holding(Linear)
 @holding(Exponential)
-@holding(Resilient, frequency="spring_frequency", loss_factor="spring_loss")
+@holding(
+    Resilient,
+    more={"loss_factor": {"options": {"HIDDEN"}}},  # 0 and 0.5 differ by 1 dB at most
+    frequency="spring_frequency",
+    loss_factor="spring_loss",
+)
 class FunctionParameters:
     """Mixin: the parameters of all functions of objects."""
 

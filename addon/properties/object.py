@@ -25,7 +25,7 @@ def _enabled_edited(self: HapticObjectProperties, context: Context) -> None:
 
 
 @updating(object_changed)
-@holding(Physical, thickness="plate_thickness")
+@holding(Physical, more={"length": {"options": {"HIDDEN"}}}, thickness="plate_thickness")
 @holding(Spectrum, "wave_speed")
 @holding(HapticObject)
 class HapticObjectProperties(FunctionParameters, PropertyGroup):
