@@ -364,18 +364,9 @@ class MotionHistory:
             trend[0] += trend[1] * (known / 2)
         begin = chord + bend * (known / 2)
         if weight > 0:
-            # Released within the interval before: the speed of a fall from rest over this height.
-            down = gravity / weight
-            fallen = down @ chord * known
-            level = _squared(chord * known - fallen * down[:, None])
-            from_rest = (
-                (fallen > 0)
-                & (fallen <= 0.501 * weight * known**2)
-                & (level <= (0.1 * fallen) ** 2)
-            )
-            dropped = (self._since_onset == 1) & airborne & from_rest
+            released = airborne & (self._since_onset == 1)
             begin = np.where(
-                dropped, down[:, None] * np.sqrt(2 * weight * np.maximum(fallen, 0.0)), begin
+                *_fallen_from_rest(released, chord * known, known, gravity / weight, weight), begin
             )
         # The path of a kinematic body leads through both poses, unless it turned sharply or stopped
         # between them, as in a hit. Of a dynamic body that was hit in the interval before, only the
@@ -416,6 +407,19 @@ class MotionHistory:
             known,
             trend,
         )
+
+
+def _fallen_from_rest(
+    released: BoolArray, way: FloatArray, time: float, down: FloatArray, weight: float
+) -> tuple[BoolArray, FloatArray]:
+    """Which of the bodies ``released`` (n,) within an interval of ``time`` [s] fell from rest along
+    their ``way`` (3, n) in it, and the velocities (3, n) of a fall over this height. down: (3,),
+    of length 1. weight: [m/s^2]."""
+    fallen = down @ way
+    level = _squared(way - fallen * down[:, None])
+    from_rest = (fallen > 0) & (fallen <= 0.501 * weight * time**2) & (level <= (0.1 * fallen) ** 2)
+    speed = np.sqrt(2 * weight * np.maximum(fallen, 0.0))
+    return released & from_rest, down[:, None] * speed
 
 
 def _jumps(first: FloatArray, chord: FloatArray, direct: FloatArray) -> BoolArray:
