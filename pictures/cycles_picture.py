@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,8 @@ from ..addon.changes.suspension import suspended
 from ..addon.scene_reader.settings import read_settings
 from ..addon.view.annotations import placed_annotations
 from ..addon.view.camera import camera_view, picture_scale
-from ..addon.view.graph_mesh import add_graph
 from ..addon.view.render_data import render_data
-from ..addon.view.solids import Solid, seen_unit, solid_graph
+from ..core import plugins
 from ..core.arrays import FloatArray
 from ..core.render.frame_result import FrameResult
 from .raster import paint
@@ -39,7 +39,9 @@ def rendered_picture(
     data = render_data(result, read_settings(scene), shown_options(scene))
     view, projection = (np.array(matrix, dtype=np.float64) for matrix in camera_view(scene, size))
     points = size[1] / picture_scale(size)
-    solid = solid_graph(data, seen_unit(data, projection, view, points), view[:3, :3])
+    solids = _geometry("solids")
+    unit = solids.seen_unit(data, projection, view, points)
+    solid = solids.solid_graph(data, unit, view[:3, :3])
     with suspended():
         if scene.haptics.xray:
             canvas = rendered(scene, size, SAMPLES, denoise=True)[..., :3]
@@ -63,14 +65,22 @@ def rendered_picture(
     return averaged(np.rint(np.clip(canvas[::-1], 0, 1) * 255).astype(np.uint8))
 
 
-def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatArray:
+def _geometry(name: str) -> Any:
+    """A module of the plug-in that makes the graph geometry. Raises ValueError without it."""
+    plugin = plugins.plugins().get("graph_geometry")
+    if plugin is None:
+        raise ValueError("a picture without a GPU needs the plug-in graph_geometry")
+    return import_module(f"{plugin.__name__}.{name}")
+
+
+def _rendered_alone(scene: Scene, solid: Any, size: tuple[int, int]) -> FloatArray:
     """The graph alone on a transparent background, in its own scene with a copy of the camera."""
     alone = bpy.data.scenes.new("Haptic Graph picture")
     camera = bpy.data.objects.new("Haptic Graph camera", scene.camera.data)
     camera.matrix_world = scene.camera.evaluated_get(
         scene.view_layers[0].depsgraph
     ).matrix_world.copy()
-    graph = add_graph(alone.collection, solid)
+    graph = _geometry("graph_mesh").add_graph(alone.collection, solid)
     alone.collection.objects.link(camera)
     alone.camera = camera
     alone.render.film_transparent = True
@@ -85,9 +95,9 @@ def _rendered_alone(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatA
         bpy.data.meshes.remove(mesh)
 
 
-def _rendered_among(scene: Scene, solid: Solid, size: tuple[int, int]) -> FloatArray:
+def _rendered_among(scene: Scene, solid: Any, size: tuple[int, int]) -> FloatArray:
     """The scene with the graph among its objects, which may hide it."""
-    graph = add_graph(scene.collection, solid)
+    graph = _geometry("graph_mesh").add_graph(scene.collection, solid)
     try:
         return rendered(scene, size, SAMPLES, denoise=True)
     finally:

@@ -1,17 +1,15 @@
-"""Operators that trace, that switch between the haptic modes, and that make a mesh of the haptic
-graph."""
+"""Operators that trace, and that switch between the haptic modes."""
 
 from __future__ import annotations
 
 from bpy.types import Context
 
 from ...core.scene.values import MODES
-from ..blender.polling import UNDO, Action, Edit, Need, Refused
+from ..blender.polling import UNDO, Action, Refused
 from ..changes.redraw import redraw_viewports
-from ..properties.kinds import choice, number, switch
+from ..properties.kinds import choice
 from ..scene_reader.problem import why_untraced
 from ..session import session, sessions, worker
-from ..view import graph_mesh
 
 _ITEMS = (
     *((mode.value, *words) for mode, words in MODES.items()),
@@ -80,45 +78,3 @@ class HAPTIC_OT_set_mode(Action):
         if not haptics.tracing:  # else the edit is traced
             session.begin(context.scene, context.evaluated_depsgraph_get())
         redraw_viewports()
-
-
-class HAPTIC_OT_graph_to_geometry(Edit):
-    """Make a mesh of the haptic graph as it is drawn now, for renderings; an earlier one of this scene is replaced"""
-
-    bl_label = "Graph to Geometry"
-
-    in_front: switch(
-        "In Front",
-        "Bring the graph close to the camera, so that objects do not hide it. It looks right "
-        "from where the camera is now",
-        True,
-    )
-    thickness: number(
-        "Thickness", "How thick lines and symbols are", 1.0, (0.01, 5.0), soft_min=0.2
-    )
-    labels: switch(
-        "Labels", "Add names and amplitudes, and the legend where there is a camera", True
-    )
-
-    needs = (
-        *Edit.needs,
-        Need(
-            lambda context: sessions.shown(context.scene) or sessions.is_begun(context.scene),
-            "Nothing has been traced yet: tag objects, then play or change the frame",
-        ),
-    )
-
-    def apply(self, context: Context) -> None:
-        # While its settings are adjusted (F9), undo has dropped the result.
-        result = session.result_of(context.scene) or session.trace(
-            context.scene, context.evaluated_depsgraph_get(), live=True
-        )
-        if result is None:
-            raise Refused(
-                "This frame could not be traced: see the problems in the panel Haptic Tracing"
-            )
-        options = {"in_front": self.in_front, "labels": self.labels}
-        graph, collection = graph_mesh.graph_in_collection(
-            context.scene, result, self.thickness, **options
-        )
-        self.tell("{:,} vertices in collection '{}'", len(graph.data.vertices), collection.name)

@@ -28,7 +28,6 @@ _MATERIALS = (
 _SCENE = (
     ("haptic.trace_frame", "FILE_REFRESH"),
     ("haptic.toggle_tracing", "HIDE_OFF"),
-    ("haptic.graph_to_geometry", "MESH_DATA"),
 )
 
 

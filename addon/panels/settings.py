@@ -140,4 +140,3 @@ class HAPTIC_PT_overlay(ScenePanel):
         draw_properties(
             layout, haptics.meters, "show", "show_scope", "show_body", "corner", "show_lane"
         )
-        layout.operator("haptic.graph_to_geometry", icon="MESH_DATA")

@@ -3,7 +3,6 @@
 import bpy
 import pytest
 from haptic_tracing.addon.operators import adding
-from haptic_tracing.addon.session import session
 from haptic_tracing.core.scene.body import DEFAULT_LISTENERS
 
 
@@ -123,13 +122,3 @@ def test_a_medium_surrounds_what_is_not_evaluated_yet(add_box, monkeypatch):
     monkeypatch.setattr(operator, "execute", moved_and_executed)
     bpy.ops.haptic.add_medium()
     assert tuple(bpy.data.objects["Air"].location) == (3, 2, 1)
-
-
-def test_the_graph_becomes_geometry_after_undo_has_dropped_the_result(add_box, traced):
-    bpy.context.scene.haptics.tracing = False
-    add_box("box", (0, 0, 0), (1, 1, 1)).haptics.source.enabled = True
-    with pytest.raises(RuntimeError, match="Nothing has been traced yet"):
-        bpy.ops.haptic.graph_to_geometry()
-    traced()
-    session.cancel()
-    assert bpy.ops.haptic.graph_to_geometry() == {"FINISHED"}

@@ -229,6 +229,7 @@ def test_painted_labels_and_legend_against_the_gpu(off_screen, scene, camera, br
     assert np.abs(by_painter[bar] - by_gpu[bar]).max() <= 4
 
 
+@pytest.mark.plugins
 @pytest.mark.slow
 def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(
     scene, camera, bridge, monkeypatch
@@ -253,6 +254,7 @@ def test_rendered_picture_shows_the_same_and_leaves_the_scene_alone(
     assert np.abs(found - data.paths.colour.mean(axis=1)[:, :3]).max() < 0.2
 
 
+@pytest.mark.plugins
 @pytest.mark.slow
 def test_rendered_graph_is_hidden_unless_it_is_drawn_in_front(
     scene, camera, wall, bridge, monkeypatch

@@ -7,23 +7,24 @@ import bpy
 import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
-from haptic_tracing.addon.view import graph_mesh
+from haptic_tracing.addon.session import session
 from haptic_tracing.addon.view.annotations import placed_annotations
 from haptic_tracing.addon.view.camera import camera_view, picture_scale
 from haptic_tracing.addon.view.colour_map import linear
 from haptic_tracing.addon.view.render_data import NO_LINES, Options, render_data
-from haptic_tracing.addon.view.solids import UPRIGHT, flat, solid_graph, tubes
 from haptic_tracing.addon.view.symbols import LOOKS, Symbol
+from haptic_tracing.plugins.graph_geometry import graph_mesh
+from haptic_tracing.plugins.graph_geometry.solids import UPRIGHT, flat, solid_graph, tubes
 from mathutils import Vector
 
-from .conftest import BRIDGE, random_scene, traced
+from .conftest import BRIDGE, random_scene, traced_frame
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_symbols_face_the_viewer_and_lie_around_their_places(seed):
     """Vertices by a random view's own axes: every symbol is a stack of flat layers, as wide as its
     point, its triangles counterclockwise as the viewer sees them."""
-    data = render_data(traced(random_scene(seed)), BRIDGE.settings, Options())
+    data = render_data(traced_frame(random_scene(seed)), BRIDGE.settings, Options())
     data = dataclasses.replace(data, tree=NO_LINES, paths=NO_LINES)
     axes, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
     solid = solid_graph(data, 0.01, axes * np.linalg.det(axes))
@@ -67,7 +68,7 @@ def test_tubes_run_along_their_lines(bridge):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_blender_finds_nothing_to_correct(seed):
-    result = traced(random_scene(seed))
+    result = traced_frame(random_scene(seed))
     solid = solid_graph(render_data(result, BRIDGE.settings, Options()), 0.01, UPRIGHT)
     mesh = graph_mesh.solid_mesh("graph", solid)
     assert not mesh.validate(verbose=False)
@@ -204,3 +205,13 @@ def test_every_symbol_has_its_look():
     for look in LOOKS.values():
         insets = [inset for inset, _, _ in look.layers]
         assert insets == sorted(insets)
+
+
+def test_the_graph_becomes_geometry_after_undo_has_dropped_the_result(add_box, traced):
+    bpy.context.scene.haptics.tracing = False
+    add_box("box", (0, 0, 0), (1, 1, 1)).haptics.source.enabled = True
+    with pytest.raises(RuntimeError, match="Nothing has been traced yet"):
+        bpy.ops.haptic.graph_to_geometry()
+    traced()
+    session.cancel()
+    assert bpy.ops.haptic.graph_to_geometry() == {"FINISHED"}

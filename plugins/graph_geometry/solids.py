@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...addon.view.hud import Hud
+from ...addon.view.render_data import Drawn, Lines, RenderData
+from ...addon.view.symbols import HALO_COLOUR, LOOKS, Symbol
 from ...core.arrays import FloatArray, IntArray
 from ...core.frozen import frozen
-from .hud import Hud
-from .render_data import Drawn, Lines, RenderData
-from .symbols import HALO_COLOUR, LOOKS, Symbol
 
 RIM = 2.2
 """Width of the dark rim around lines [points]."""

@@ -11,17 +11,17 @@ import bpy
 import numpy as np
 from bpy.types import Collection, Material, Mesh, Object, Scene
 
+from ...addon.blender.text import text_width
+from ...addon.blender.units import metres_per_unit
+from ...addon.scene_reader.settings import read_settings
+from ...addon.view.annotations import placed_annotations
+from ...addon.view.camera import camera_view, picture_scale
+from ...addon.view.colour_map import linear
+from ...addon.view.hud import INK, Hud
+from ...addon.view.options import options_of
+from ...addon.view.render_data import Label, render_data
 from ...core.arrays import FloatArray
 from ...core.render.frame_result import FrameResult
-from ..blender.text import text_width
-from ..blender.units import metres_per_unit
-from ..scene_reader.settings import read_settings
-from .annotations import placed_annotations
-from .camera import camera_view, picture_scale
-from .colour_map import linear
-from .hud import INK, Hud
-from .options import options_of
-from .render_data import Label, render_data
 from .solids import UPRIGHT, Solid, extent_unit, flat, seen_unit, solid_graph
 
 NAME = "Haptic Graph"

@@ -1,0 +1,1 @@
+"""The haptic graph as geometry that Cycles and EEVEE render."""
