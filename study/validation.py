@@ -369,9 +369,9 @@ def _through_contact(
     contacts = ContactSet.from_contacts(
         (Contact(("1", "2"), (origin, origin), Impedance(), area=area),), table.index()
     )
-    passed = passed_by_bodies(table.bodies, contacts, ObjectFrames.unknown(2))
+    _, passed = passed_by_bodies(table.bodies, contacts, ObjectFrames.unknown(2))
     band = sum(frequency >= edge for edge in BAND_EDGES[1:-1])
-    return 0.0 if passed is None else NEPER * math.log(passed[0, 0, band])
+    return NEPER * math.log(passed[0, 0, band]) if len(passed) else 0.0
 
 
 def into_buildings() -> Iterator[Series]:

@@ -761,12 +761,12 @@ def _transmissions(
             losses = losses - np.log(contacts.weight)
     both = losses[:, None].repeat(2, axis=1)
     bands = None if band_gains is None else band_gains[:, None].repeat(2, axis=1)
-    passed = passed_by_bodies(table.bodies, contacts, frames)
-    if passed is not None:
-        most = passed.max(axis=2)
-        with np.errstate(divide="ignore"):
-            both -= np.log(most)
-        bands = passed / most[:, :, None] * (1.0 if bands is None else bands)
+    unlike, passed = passed_by_bodies(table.bodies, contacts, frames)
+    if len(unlike):
+        most = np.maximum(passed.max(axis=2), np.finfo(np.float64).tiny)
+        both[unlike] -= np.log(most)
+        bands = np.ones((len(contacts), 2, BAND_COUNT)) if bands is None else bands
+        bands[unlike] *= passed / most[:, :, None]
     return both, bands, delay
 
 

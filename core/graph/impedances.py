@@ -54,6 +54,8 @@ class Bodies:
 
     Attributes:
         known: (n,) whether the object has an impedance: is no medium, and of measured material.
+        kind: (n,) a number that bodies share whose impedances are equal to 1e-6; no two springs do.
+        carries: (n,) whether it moves with what stands behind it.
         impedance: [N s/m], of springs their stiffness over omega, infinite if unknown.
         bending: 64 B over omega [N s m]; 0 where nothing is carried: in half-spaces, limbs, and
             unknown bodies.
@@ -63,6 +65,8 @@ class Bodies:
     """
 
     known: BoolArray
+    kind: IntArray
+    carries: BoolArray
     impedance: FloatArray
     bending: FloatArray
     half_space: FloatArray
@@ -95,13 +99,19 @@ class Bodies:
         is_spring = stiffness < math.inf
         impedance = OMEGA * np.where(limb[:, None], whole, moved)
         impedance = np.where(is_spring[:, None], stiffness[:, None] / OMEGA, impedance)
-        carries = known & ~limb & (radius == 0)
+        bends = known & ~limb & ~is_spring & (radius == 0)
+        # Blender's sizes are of single precision: what differs by less is alike.
+        part, power = np.frexp(np.column_stack([density, rows[:, 1:]]))
+        alike = np.ldexp(np.rint(part * 2**20), power)
+        _, kind = np.unique(alike, axis=0, return_inverse=True)
         shear = density * speed**2
         ground = radius > 0
         return cls(
             known,
+            np.where(is_spring, len(kind) + np.arange(len(kind)), kind),
+            bends | is_spring,
             np.where(known[:, None], impedance, math.inf),
-            np.where(carries[:, None], OMEGA * density[:, None] * sizes[:, 2:] * reach**4, 0.0),
+            np.where(bends[:, None], OMEGA * density[:, None] * sizes[:, 2:] * reach**4, 0.0),
             np.where(
                 ground,
                 [
@@ -117,7 +127,7 @@ class Bodies:
     def at(self, index: IntArray, area: FloatArray) -> FloatArray:
         """Impedances (m, bands) of objects ``index`` (m,) at patches of ``area`` (m,) [m^2]."""
         found = self.impedance.take(index, axis=0)
-        square, spring, damper = self.half_space[:, index]
+        square, spring, damper = self.half_space.take(index, axis=1)
         chosen = np.flatnonzero(square)
         if len(chosen):
             driven = square[chosen] + area[chosen] / math.pi
@@ -125,6 +135,19 @@ class Bodies:
                 (damper[chosen] * driven)[:, None],
                 (spring[chosen] * np.sqrt(driven))[:, None] / OMEGA,
             )
+        return found
+
+    def flexibility(self, index: IntArray, away: FloatArray, normal: FloatArray) -> FloatArray:
+        """Mobility (m, bands) [m/(N s)] with which objects ``index`` (m,) give way between their
+        middles and points ``away`` (3, m) from these, across the ``normal`` (3, m)."""
+        along = (away * normal).sum(axis=0)
+        aside = np.maximum((away**2).sum(axis=0) - along**2, _LEAST**2)
+        aside[np.isnan(aside)] = math.inf
+        with np.errstate(divide="ignore"):
+            found = np.asarray(aside[:, None] / self.bending.take(index, axis=0))
+        stiffness = self.spring[0].take(index)
+        springs = np.flatnonzero(stiffness < math.inf)
+        found[springs] = OMEGA / (2 * stiffness[springs, None])
         return found
 
 
@@ -136,100 +159,125 @@ def ask_for_bodies(bodies: Bodies, contacts: ContactSet) -> bool:
 
 def passed_by_bodies(
     bodies: Bodies, contacts: ContactSet, frames: ObjectFrames
-) -> FloatArray | None:
-    """What contacts pass on by the impedances of their bodies (c, 2, bands), from the first object
-    to the second and back: at most 1, and 1 where a body is unknown or the contact's function is
-    another. None if all is 1."""
+) -> tuple[IntArray, FloatArray]:
+    """Numbers of contacts (k,), and what these pass on by the impedances of their bodies (k, 2,
+    bands), from the first object to the second and back: at most 1. All others pass everything:
+    those of like bodies, of unknown ones and with another function."""
     if not ask_for_bodies(bodies, contacts):
-        return None
+        return np.zeros(0, dtype=np.int64), np.zeros((0, 2, len(OMEGA)))
     between = [function.between_bodies for function in contacts.transmissions]
+    asks = np.array([row is not None for row in between])[contacts.transmission]
     inside = np.array([row or (math.inf, 0.0) for row in between])[contacts.transmission]
-    gains = passed(bodies, contacts, frames, inside.T)
-    gains[~np.array([row is not None for row in between])[contacts.transmission]] = 1.0
-    return gains if gains.min() < 1 else None
+    return passed(bodies, contacts, frames, inside.T, asks)
 
 
 def passed(
-    bodies: Bodies, contacts: ContactSet, frames: ObjectFrames, inside: FloatArray
-) -> FloatArray:
-    """What contacts pass on (c, 2, bands), whatever their functions. ``inside`` (2, c): of springs
-    in them the stiffness [N/m], infinite without one, and the loss factor."""
-    count = len(contacts)
-    body = contacts.pairs.T.reshape(-1)
-    own = bodies.at(body, np.tile(contacts.area, 2))
-    hard, loss = np.tile(inside, 2)
-    between = hard[:, None] / OMEGA
-    driving = _carried(bodies, contacts, frames, body, own, between)
-    load = np.roll(own, count, axis=0)
+    bodies: Bodies,
+    contacts: ContactSet,
+    frames: ObjectFrames,
+    inside: FloatArray,
+    asks: BoolArray | bool = True,
+) -> tuple[IntArray, FloatArray]:
+    """As `passed_by_bodies`, of contacts of which ``asks`` (c,). ``inside`` (2, c): of springs in
+    them the stiffness [N/m], infinite without one, and the loss factor."""
+    first, second = contacts.pairs.T
+    unlike = (bodies.kind.take(first) != bodies.kind.take(second)) | (inside[0] < math.inf)
+    chosen = np.flatnonzero(unlike & bodies.known.take(first) & bodies.known.take(second) & asks)
+    body = contacts.pairs.take(chosen, axis=0).T.reshape(-1)
+    driving = bodies.at(body, np.tile(contacts.area.take(chosen), 2))
+    load = np.roll(driving, len(chosen), axis=0)
+    hard, loss = np.tile(inside.take(chosen, axis=1), 2)
+    soft = (hard < math.inf) | (bodies.spring[0].take(body) < math.inf)
+    # What drives no less than it meets passes everything, whatever stands behind it.
+    asked = np.flatnonzero((driving < load).any(axis=1) | soft)
+    sides = np.concatenate([chosen, chosen + len(contacts)])[asked]
+    driving[asked] = _carried(bodies, contacts, frames, inside[0], sides, driving[asked])
     with np.errstate(divide="ignore", invalid="ignore"):
-        gain = np.nan_to_num(np.minimum(2 / (1 + load / driving), 1.0), nan=1.0)
-    driving = _in_series(driving, between)
-    soft = np.where(hard < math.inf, loss, bodies.spring[1, body])
-    chosen = np.flatnonzero((hard < math.inf) | (bodies.spring[0, body] < math.inf))
-    gain[chosen] = sprung(load[chosen] / driving[chosen], soft[chosen, None])
-    known = bodies.known[contacts.pairs].all(axis=1)
-    gain[~np.tile(known, 2)] = 1.0
-    return np.asarray(gain.reshape(2, count, -1).transpose(1, 0, 2))
-
-
-def _in_series(one: FloatArray, other: FloatArray) -> FloatArray:
-    """The impedance of two in a row, of which the softer one gives way."""
-    with np.errstate(divide="ignore", over="ignore"):
-        return np.asarray(1 / (1 / one + 1 / other))
+        gain = np.minimum(2 / (1 + load / driving), 1.0)
+        if soft.any():
+            stiff = 1 / (1 / driving[soft] + OMEGA / hard[soft, None])
+            damping = np.where(hard < math.inf, loss, bodies.spring[1].take(body))[soft]
+            gain[soft] = sprung(load[soft] / stiff, damping[:, None])
+    return chosen, gain.reshape(2, len(chosen), len(OMEGA)).transpose(1, 0, 2)
 
 
 def _carried(
     bodies: Bodies,
     contacts: ContactSet,
     frames: ObjectFrames,
-    body: IntArray,
-    own: FloatArray,
     inside: FloatArray,
+    asked: IntArray,
+    own: FloatArray,
 ) -> FloatArray:
-    """Impedances (2 c, bands) with which bodies drive others at the sides of contacts, first those
-    of the first objects: their ``own``, or that of what stands behind them; of springs that of what
-    stands behind them, as far as they are stiff. ``inside`` (2 c, bands): of springs in the
-    contacts."""
-    order = body.argsort(kind="stable")
-    start = np.flatnonzero(np.diff(body[order], prepend=-1))
-    sizes = np.diff(start, append=len(body))
-    if (sizes == 1).all():
+    """Impedances (k, bands) with which bodies drive others at the sides ``asked`` (k,) of contacts,
+    which are numbered through the first objects, then the second: their ``own`` (k, bands), or that
+    of what stands behind them; of springs that of what stands behind them, as far as they are
+    stiff. ``inside`` (c,): stiffness of springs in the contacts."""
+    count = len(contacts)
+    body = contacts.pairs.T.reshape(-1)
+    several = np.bincount(body, minlength=len(bodies.known)) > 1
+    carries = (bodies.carries & several).take(body)
+    near = np.zeros(len(bodies.known), dtype=np.bool_)
+    near[body[asked]] = True
+    for _ in range(_CHAIN - 1):
+        near[np.roll(body, count)[near.take(body) & carries]] = True
+    side = np.flatnonzero(near.take(body) & carries)
+    if len(side) == 0:
         return own
-    away = contacts.positions.transpose(1, 0, 2).reshape(-1, 3) - frames.centre.take(body, axis=0)
-    along = (away * np.tile(contacts.normal, (2, 1))).sum(axis=1)
-    aside = np.maximum((away**2).sum(axis=1) - along**2, _LEAST**2)[:, None]
-    half = np.nan_to_num(bodies.bending.take(body, axis=0) / aside, nan=0.0)
-    spring = bodies.spring[0].take(body)
-    soft = np.flatnonzero(spring < math.inf)
-    half[soft] = 2 * spring[soft, None] / OMEGA
-    least = own
-    if len(soft):
-        least = own.copy()
-        least[soft[sizes[np.searchsorted(body[order][start], body[soft])] > 1]] = 0.0
-    # From here on all is in the order of the bodies.
-    place = order.argsort(kind="stable")
-    partner = place[(order + len(contacts)) % len(body)]
-    group = np.repeat(np.arange(len(start)), sizes)
-    half, inside, least = (values.take(order, axis=0) for values in (half, inside, least))
-    weight = np.tile(contacts.weight, 2)[order, None]
-    driving = least
+    side = side.take(body.take(side).argsort(kind="stable"))
+    contact, other = side % count, (side + count) % (2 * count)
+    # Mobilities, which add up in a row: of the sides, then of those across.
+    both = body.take(np.concatenate([side, other]))
+    with np.errstate(divide="ignore"):
+        mobility = 1 / bodies.at(both, np.tile(contacts.area.take(contact), 2))
+    mobility[(bodies.spring[0] < math.inf).take(both) & several.take(both)] = math.inf
+    least = mobility[: len(side)].copy()
+    place = np.full(2 * count, -1)
+    place[side] = np.arange(len(side))
+    across = place.take(other)
+    across = np.where(across < 0, np.arange(len(side), len(both)), across)
+    of = both[: len(side)]
+    places = np.concatenate([contacts.positions[:, 0].T, contacts.positions[:, 1].T], axis=1)
+    flexible = bodies.flexibility(
+        of,
+        places.take(side, axis=1) - frames.centre.T.take(of, axis=1),
+        contacts.normal.T.take(contact, axis=1),
+    )
+    between = flexible + OMEGA / inside.take(contact)[:, None]
+    opening = 1 / np.maximum(contacts.weight.take(contact), _LEAST**2)[:, None]
+    others = _Others(of)
     for _ in range(_CHAIN):
-        behind = _in_series(driving.take(partner, axis=0), half)
-        if (inside < math.inf).any():
-            behind = _in_series(behind, inside)
-        carried = _most_of_the_others(weight * behind, start, group)
-        before, driving = driving, np.maximum(least, _in_series(carried, half))
-        if np.array_equal(before, driving):
+        behind = opening * (mobility.take(across, axis=0) + between)
+        driving = np.minimum(least, others.least(behind) + flexible)
+        if np.array_equal(driving, mobility[: len(side)]):
             break
-    return driving.take(place, axis=0)
+        mobility[: len(side)] = driving
+    found = place.take(asked)
+    with np.errstate(divide="ignore"):
+        return np.where((found < 0)[:, None], own, 1 / mobility.take(found, axis=0))
 
 
-def _most_of_the_others(values: FloatArray, start: IntArray, group: IntArray) -> FloatArray:
-    """For each of the rows of ``values`` (m, bands) the greatest of the others of its group, 0
-    without any. Groups begin at ``start``; ``group`` (m,) is the number of each row's."""
-    most = np.maximum.reduceat(values, start)
-    most_here = most.take(group, axis=0)
-    is_most = values == most_here
-    rest = np.maximum.reduceat(np.where(is_most, 0.0, values), start)
-    rest = np.where(np.add.reduceat(is_most, start, dtype=np.int64) > 1, most, rest)
-    return np.where(is_most, rest.take(group, axis=0), most_here)
+class _Others:
+    """For each of rows that are sorted by their ``group`` (m,), of at least two each, the others of
+    its group, in a circle: steps that double the length of a run of them, and the two runs that
+    together are all others."""
+
+    def __init__(self, group: IntArray) -> None:
+        start = np.flatnonzero(np.diff(group, prepend=-1))
+        size = np.diff(start, append=len(group))
+        first = np.repeat(start, size)
+        size = np.repeat(size, size)
+        along = np.arange(len(group)) - first
+        run = np.ones_like(size)
+        self._steps = []
+        while (grows := 2 * run < size).any():
+            self._steps.append(first + (along + np.where(grows, run, 0)) % size)
+            run = np.where(grows, 2 * run, run)
+        self._runs = first + (along + 1) % size, first + (along - run) % size
+
+    def least(self, values: FloatArray) -> FloatArray:
+        """The least value (m, bands) of the others."""
+        for step in self._steps:
+            values = np.minimum(values, values.take(step, axis=0))
+        one, other = self._runs
+        return np.asarray(np.minimum(values.take(one, axis=0), values.take(other, axis=0)))

@@ -44,7 +44,10 @@ def gains(objects, contacts, inside=None):
     )
     frames = ObjectFrames.of_objects(table.objects)
     spring = np.array([[math.inf], [0.0]]) if inside is None else inside
-    return passed(table.bodies, found, frames, np.tile(spring, len(found)))
+    unlike, values = passed(table.bodies, found, frames, np.tile(spring, len(found)))
+    all_of_them = np.ones((len(found), 2, len(BAND_CENTRES)))
+    all_of_them[unlike] = values
+    return all_of_them
 
 
 def pair(first, second, **more):
