@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence, Set
+from dataclasses import replace
 from typing import Any
 
 from bpy.types import Scene
@@ -9,10 +11,45 @@ from bpy.types import Scene
 from ...core.contacts.settings import ContactSettings
 from ...core.forms import Form
 from ...core.scene.impact_rule import ImpactTemplates
-from ...core.scene.values import Settings, Vector
+from ...core.scene.rule_table import RuleTable
+from ...core.scene.values import HapticObject, Settings, Vector
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
+from .problem import Problem
+from .rules import read_tables
+
+
+class SceneSettings:
+    """The settings and rules of a scene, read again where they have changed. ``problems``: of the
+    rules."""
+
+    def __init__(self) -> None:
+        self.settings = Settings()
+        self.contact_settings = ContactSettings()
+        self.problems: list[Problem] = []
+        self._values: tuple[Any, ...] | None = None  # that they were read from
+        self._tables: Form | None = None
+
+    def forget_rules(self) -> None:
+        """Read settings and rules again."""
+        self._tables = None
+
+    def follow(self, scene: Scene, objects: Sequence[HapticObject], solo: Set[str]) -> None:
+        """Read them if they have changed. ``objects``: that rules may be about; ``solo``: roles
+        with a solo object: beside a solo source nothing strikes, slides or rolls."""
+        values = setting_values(scene)
+        if self._tables is None:
+            self._tables, self.problems = read_tables(scene, objects)
+        elif values == self._values:
+            return
+        self.settings = read_settings(scene)
+        self.contact_settings = read_contact_settings(scene, self._tables)
+        if "source" in solo:
+            self.contact_settings = replace(
+                self.contact_settings, impacts=False, textures=RuleTable()
+            )
+        self._values = values
 
 
 def setting_values(scene: Scene) -> tuple[Any, ...]:

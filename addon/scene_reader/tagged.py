@@ -24,12 +24,12 @@ class Tagged:
     row: int  # in bpy.data.objects
     animated: tuple[str, ...] | None  # data paths, see `compatibility.animated_paths`
     stretch: tuple[float, ...]  # see `rigid_transforms`
-    object: HapticObject | None
-    body: Body | None
-    surface: SurfaceShape | None
-    source: Source | None
-    listener: Listener | None
-    problems: tuple[Problem, ...]
+    object: HapticObject | None = None
+    body: Body | None = None
+    surface: SurfaceShape | None = None
+    source: Source | None = None
+    listener: Listener | None = None
+    problems: tuple[Problem, ...] = ()
 
 
 @frozen
@@ -41,7 +41,7 @@ class TaggedLists:
         stretches: (m, 6) of these in the world.
         still: (m, 16) changes of their world matrices that move no corner by more than about
             `STILL`, and count as rest.
-        animated: rows and data paths of those with animated properties.
+        animated: rows of those with animated properties.
         of_bodies: (n,) which of the tagged objects are haptic objects.
         of_places: (k,) rows of the sources and listeners.
         objects, bodies: the n haptic objects, and these for the tracker.
@@ -53,7 +53,7 @@ class TaggedLists:
     rows: IntArray
     stretches: FloatArray
     still: FloatArray
-    animated: tuple[tuple[int, tuple[str, ...] | None], ...]  # rows and data paths
+    animated: tuple[int, ...]
     of_bodies: IntArray
     of_places: IntArray
     objects: tuple[HapticObject, ...]
@@ -62,8 +62,13 @@ class TaggedLists:
     places: tuple[Source | Listener, ...]
     problems: tuple[Problem, ...]
 
+    @property
+    def are_triggered(self) -> bool:
+        """Whether any source has triggers."""
+        return any(isinstance(item, Source) and item.triggers is not None for item in self.places)
+
     @classmethod
-    def of(cls, by_row: dict[int, Tagged], before: TaggedLists | None = None) -> TaggedLists:
+    def of(cls, by_row: Mapping[int, Tagged], before: TaggedLists | None = None) -> TaggedLists:
         """The lists of the tagged objects. ``before``: those of the frame before, of which remains
         what is unchanged."""
         tagged = sorted(by_row.values(), key=lambda t: t.row)
@@ -91,7 +96,7 @@ class TaggedLists:
             rows=np.array([t.row for t in tagged], dtype=np.int64),
             stretches=np.array([t.stretch for t in tagged], dtype=np.float64).reshape(-1, 6),
             still=still,
-            animated=tuple((t.row, t.animated) for t in tagged if t.animated != ()),
+            animated=tuple(t.row for t in tagged if t.animated != ()),
             of_bodies=np.array([k for k, _, _ in bodies], dtype=np.int64),
             of_places=np.array([row for row, _ in places], dtype=np.int64),
             objects=objects,

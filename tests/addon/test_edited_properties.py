@@ -122,12 +122,12 @@ def test_one_edit_reads_one_object(touching, monkeypatch, physics):
     read = []
     read_object = objects.read_object
     monkeypatch.setattr(
-        "haptic_tracing.addon.scene_reader.reader.read_object",
+        "haptic_tracing.addon.scene_reader.authored.read_object",
         lambda obj, scene: read.append(obj.name) or read_object(obj, scene),
     )
-    read_all = SceneReader._read_all
+    read_all = SceneReader._read_whole
     monkeypatch.setattr(
-        SceneReader, "_read_all", lambda *args: read.append("everything") or read_all(*args)
+        SceneReader, "_read_whole", lambda *args: read.append("everything") or read_all(*args)
     )
     every[0].haptics.kappa = 0.3
     bpy.context.view_layer.update()

@@ -8,8 +8,8 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
+from haptic_tracing.addon.scene_reader import instance_records
 from haptic_tracing.addon.scene_reader import instances as reading_of_instances
-from haptic_tracing.addon.scene_reader import reader
 from haptic_tracing.addon.scene_reader.reader import SceneReader
 from haptic_tracing.addon.session import session, sessions
 from making_haptic import make_haptic
@@ -179,7 +179,9 @@ def test_edits_count_for_the_instances_of_an_object_and_read_no_others(crates, m
     read = []
     found = reading_of_instances.haptic_instances
     monkeypatch.setattr(
-        reader, "haptic_instances", lambda depsgraph: read.append(depsgraph) or found(depsgraph)
+        instance_records,
+        "haptic_instances",
+        lambda depsgraph: read.append(depsgraph) or found(depsgraph),
     )
     floor.haptics.kappa = 0.75
     traced()

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 import pytest
 from haptic_tracing.addon.registration import handlers
-from haptic_tracing.addon.scene_reader import collision_shapes, reader
+from haptic_tracing.addon.scene_reader import collision_shapes, shapes
 from haptic_tracing.addon.session import session
 
 
@@ -209,9 +209,9 @@ def test_a_part_of_a_compound(add_box, scene):
 
 def test_shapes_are_built_once_where_only_settings_change(boxes, scene, monkeypatch):
     built = []
-    build = reader.collision_shape
+    build = shapes.collision_shape
     monkeypatch.setattr(
-        reader, "collision_shape", lambda *what: built.append(what[0].name) or build(*what)
+        shapes, "collision_shape", lambda *what: built.append(what[0].name) or build(*what)
     )
     boxes[0].haptics.rho = 0.5
     boxes[1].location.x = 1.0

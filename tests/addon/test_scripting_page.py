@@ -33,4 +33,6 @@ def test_the_snippets_tag_trace_bake_export_and_compute_again(tmp_path, monkeypa
     assert {node for _, _, node in names["graph"].edges(data="connection")} == {"intra", "inter"}
     assert names["table"].haptics.material.name == "Hardwood"
     assert json.loads((tmp_path / "table.hjif").read_text(encoding="utf-8"))["perceptions"]
-    assert len(json.loads((tmp_path / "table.json").read_text(encoding="utf-8"))["frames"]) == 24
+    assert (
+        len(json.loads((tmp_path / "table.json").read_text(encoding="utf-8"))["frames"]) == 25
+    )  # with that at which the last one ends

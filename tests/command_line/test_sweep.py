@@ -105,7 +105,7 @@ def test_a_killed_worker_loses_nothing_and_blender_alone_gives_the_same_bits(
     for key, kappa in {row["key"]: row[path] for row in rows}.items():
         seat(scene).haptics.kappa = kappa
         recorder = TrackRecorder()
-        traced = [step.result for step in timeline.steps(scene, 1, 4)]
+        traced = [step.result for step in timeline.steps(scene, 1, 5)]
         for result in traced:
             recorder.add(result)
         samples = wavfile.read(tmp_path / "two" / "kappa" / "tracks" / f"{key}.wav")[1]

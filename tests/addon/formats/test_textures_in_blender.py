@@ -77,9 +77,9 @@ def test_a_range_baked_alone_has_the_bits_of_the_whole(scene, crate):
     whole = baked(scene, 1, LAST)
     alone = baked(scene, 70, 76)
     assert (
-        alone.samples.shape[1] == int(whole.offsets[76] - whole.offsets[70]) and alone.samples.any()
+        alone.samples.shape[1] == int(whole.offsets[77] - whole.offsets[70]) and alone.samples.any()
     )
-    assert np.array_equal(alone.samples, whole.samples[:, whole.offsets[70] : whole.offsets[76]])
+    assert np.array_equal(alone.samples, whole.samples[:, whole.offsets[70] : whole.offsets[77]])
     assert {source.name for source in whole.sources} == {
         "crate sliding on ground",
         "ground sliding on crate",
@@ -184,7 +184,8 @@ def test_the_core_plays_the_exported_file_as_blender_plays_the_scene(scene, crat
     add_texture(scene, period=0.007, noise=0.4)
     exported(tmp_path / "crate.json", frames="RANGE", frame_start=1, frame_end=LAST)
     export = read_export(tmp_path / "crate.json")
-    for ours, theirs in zip(play(scene, LAST), traced(export.scene, export.recording), strict=True):
+    again = traced(export.scene, export.recording)
+    for ours, theirs in zip(play(scene, LAST + 1), again, strict=True):
         assert ours.number == theirs.number
         if ours.number > 1:
             np.testing.assert_allclose(theirs.block, ours.block, rtol=0, atol=1e-12)
