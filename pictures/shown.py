@@ -38,7 +38,6 @@ def meters_above(scene: Scene, result: FrameResult, size: tuple[int, int], scale
     margin = 12 * scale
     items = meter_hud(
         shown,
-        None,
         (0.35 * size[0], 0.5 * size[1]),
         scale,
         iface_("Mode {}").format(scene.haptics.mode),

@@ -24,11 +24,6 @@ class HapticMetersProperties(PropertyGroup):
         "Show over the 3D viewport how much each listener feels, otherwise in the sidebar",
         True,
     )
-    show_scope: switch(
-        "Scope",
-        "Draw the last second of the selected listener, or of the one that feels the most",
-        True,
-    )
     show_body: switch("Body", "Draw a body whose parts light up where they feel something", True)
     show_lane: switch(
         "Timeline of Touch",

@@ -156,7 +156,4 @@ def _shows_still(traced: Traced, is_playing: bool) -> bool:
     return not (is_playing and lasts(traced.result, traced.samples.shape[1]))
 
 
-STILL: Derived[None, FloatArray] = Derived(lambda traced, *_: still_samples(traced.result))
-"""The samples (l, n) of a frame as if it lasted."""
-
 LEVELS: Derived[bool, tuple[Level, ...]] = Derived(shown_levels, every_frame=True, hears=True)

@@ -1,16 +1,14 @@
-"""Layout of the meters over a viewport: a bar per listener, the scope of one, the body; independent
-of the GPU."""
+"""Layout of the meters over a viewport: a bar per listener, and the body, independent of the
+GPU."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from ...core.arrays import FloatArray, IntArray
 from ...core.frozen import frozen
 from ...core.scene.body_map import HALF_WIDTH, HEIGHT, Spot, View, figure
 from ..blender.words import ui_text
@@ -27,11 +25,8 @@ ROW, BAR = 17.0, 9.0
 MARGIN_WIDTH, SWITCH_WIDTH = 48.0, 15.0
 LEAST_NAME_WIDTH, NAME_WIDTH = 48.0, 130.0
 LEAST_BAR_WIDTH, BAR_WIDTH = 60.0, 150.0
-LEAST_SCOPE_WIDTH, SCOPE_HEIGHT = 120.0, 58.0
 FIGURE_HEIGHT = 140.0
 MOST_ROWS = 12
-_SCOPE_COLUMNS = 160
-_CAPTION = 14.0  # points of the scope's height
 
 VIEWS: tuple[View, ...] = ("front", "back")
 _TRACK = (0.20, 0.20, 0.22, 1.0)
@@ -39,20 +34,9 @@ _ABSENT = (0.26, 0.26, 0.28, 1.0)
 _NOT_FELT = (0.42, 0.42, 0.44, 1.0)
 _WHITE = (0.97, 0.97, 0.97, 1.0)
 _MARK = (*SOURCE_COLOUR.tolist(), 1.0)
-_GRID = (0.32, 0.32, 0.34, 1.0)
 _OFF = (0.45, 0.45, 0.47, 1.0)
 SWITCHES = {"S": "solo", "M": "muted"}
 """Letters of the switches of a row, and the properties of a listener that they set."""
-SCOPE_COLOUR: Colour = (*colour_table()[len(colour_table()) * 3 // 5].tolist(), 1.0)
-
-
-@frozen
-class Scope:
-    """The last second of a listener: ``samples`` (n,), fewer than a second's at the beginning."""
-
-    listener: str
-    samples: FloatArray
-    sample_rate: float
 
 
 def colour_of(level: Level) -> Colour:
@@ -86,29 +70,22 @@ class _ColumnWidths:
 
 @frozen
 class _Layout:
-    """The elements that fit: the levels shown, their columns, the scope and the body."""
+    """The elements that fit: the levels shown, their columns, and the body."""
 
     shown: tuple[Level, ...]
     hidden: int  # listeners that are not shown
     columns: _ColumnWidths
-    scope: Scope | None
     body: bool
 
     @property
     def height(self) -> float:
         """Points."""
         rows = 1 + len(self.shown) + (self.hidden > 0)
-        return (
-            rows * ROW
-            + 2 * PADDING
-            + (SCOPE_HEIGHT + GAP) * (self.scope is not None)
-            + (FIGURE_HEIGHT + ROW) * self.body
-        )
+        return rows * ROW + 2 * PADDING + (FIGURE_HEIGHT + ROW) * self.body
 
 
 def meter_hud(
     levels: Sequence[Level],
-    scope: Scope | None,
     room: Size,
     scale: float,
     title: str = "",
@@ -118,11 +95,10 @@ def meter_hud(
     switched: Mapping[str, str] | None = None,
 ) -> Hud:
     """The meters, their lower left corner at the origin. If there is not enough room, these are
-    left out in order: body, scope, listeners, everything.
+    left out in order: body, listeners, everything.
 
     Args:
         levels: Of all listeners.
-        scope: Of one of them; None leaves it out.
         room: Width and height [pixels].
         scale: Pixels per point.
         title: Above the names.
@@ -132,7 +108,7 @@ def meter_hud(
     """
     builder = HudBuilder(scale)
     names = max(map(builder.width, (title, *(level.title for level in levels))))
-    layout = _layout(levels, scope, (room[0] / scale, room[1] / scale), names, body)
+    layout = _layout(levels, (room[0] / scale, room[1] / scale), names, body)
     if layout is None:
         return builder.build()
     columns = layout.columns
@@ -149,10 +125,6 @@ def meter_hud(
     if layout.hidden:
         y -= ROW
         builder.text(ui_text("and {} more", layout.hidden), (x, y + 4), FAINT_INK)
-    if layout.scope is not None:
-        y -= SCOPE_HEIGHT + GAP
-        size = columns.width, SCOPE_HEIGHT
-        add_scope(builder, (x, y), size, layout.scope)
     if layout.body:
         parts = {level.body_part: level for level in levels if level.body_part}
         left = x + (columns.width - 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH) / 2
@@ -162,7 +134,6 @@ def meter_hud(
 
 def _layout(
     levels: Sequence[Level],
-    scope: Scope | None,
     room: Size,
     names: float,
     body: bool,
@@ -171,7 +142,6 @@ def _layout(
 
     Args:
         levels: of the listeners.
-        scope: of the watched listener, None without one.
         room: width and height [points].
         names: width of the longest name [points].
         body: whether the figures are wanted.
@@ -181,9 +151,7 @@ def _layout(
     if columns is None or not levels or rows < min(len(levels), 2):
         return None
     shown = tuple(levels) if len(levels) <= rows else _strongest(levels, rows - 1)
-    wanted = _Layout(shown, len(levels) - len(shown), columns, None, False)
-    if scope is not None and columns.width >= LEAST_SCOPE_WIDTH:
-        wanted = _fitting(wanted, replace(wanted, scope=scope), room[1])
+    wanted = _Layout(shown, len(levels) - len(shown), columns, False)
     has_width = columns.width >= 4 * FIGURE_HEIGHT / HEIGHT * HALF_WIDTH
     if body and has_width and any(level.body_part for level in levels):
         wanted = _fitting(wanted, replace(wanted, body=True), room[1])
@@ -243,63 +211,6 @@ def _add_row(
         builder.target((place, y), (place + SWITCH_WIDTH, y + ROW), level.listener, switch)
         builder.text(switch, (place + 3, base), _MARK if is_on else _OFF, SMALL_TEXT)
     builder.target((x, y), (x + columns.width, y + ROW), level.listener)
-
-
-def add_scope(builder: HudBuilder, corner: Place, extent: Size, scope: Scope) -> None:
-    """The last second in a box of ``extent``: for every column the range between its
-    lowest and highest sample, the latest at the right."""
-    (left, low), width = corner, extent[0]
-    high = low + extent[1]
-    top = high - _CAPTION
-    middle = (low + top) / 2
-    half = (top - low) / 2 - 2
-    builder.plate((left, low), (left + width, high), _TRACK, 3.0)
-    pixel = 0.5 / builder.scale
-    for quarter in (0.25, 0.5, 0.75):
-        x = left + quarter * width
-        builder.plate((x - pixel, low), (x + pixel, top), _GRID, 0.0)
-    builder.plate((left, middle - pixel), (left + width, middle + pixel), _GRID, 0.0)
-    full = full_scale(scope)
-    columns, least, greatest = spans(scope, _SCOPE_COLUMNS)
-    lows = middle + half / full * least - 0.5
-    highs = middle + half / full * greatest + 0.5
-    for x, low_end, high_end in zip(
-        (left + columns * width / _SCOPE_COLUMNS).tolist(),
-        lows.tolist(),
-        highs.tolist(),
-        strict=True,
-    ):
-        builder.plate((x, low_end), (x + width / _SCOPE_COLUMNS, high_end), SCOPE_COLOUR, 0.0)
-    span = f"±{full:.3g}"
-    span_width = builder.width(span, SMALL_TEXT)
-    words = ui_text("{}, last second", scope.listener)
-    words = builder.fitted(words, width - span_width - 15, SMALL_TEXT)
-    builder.text(words, (left + 5, high - 11), FAINT_INK, SMALL_TEXT)
-    builder.text(
-        span,
-        (left + width - span_width - 5, high - 11),
-        FAINT_INK,
-        SMALL_TEXT,
-    )
-
-
-def full_scale(scope: Scope) -> float:
-    """Full scale of the scope: the next of 1, 0.316, 0.1, ... above the peak, at least 0.001."""
-    peak = float(np.abs(scope.samples).max(initial=0.0))
-    return 10 ** (math.ceil(math.log10(peak) * 2 - 1e-9) / 2) if peak > 1e-3 else 1e-3
-
-
-def spans(scope: Scope, count: int) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Minima and maxima of the last second in ``count`` columns: numbers of the columns with
-    samples, then both."""
-    whole = round(scope.sample_rate)
-    samples = scope.samples[-whole:]
-    borders = np.round(np.linspace(0, whole, count + 1)).astype(np.int64) - (whole - len(samples))
-    filled = np.flatnonzero(borders[:-1] >= 0)
-    if not len(filled) or not len(samples):
-        return np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)
-    starts = borders[filled]
-    return filled, np.minimum.reduceat(samples, starts), np.maximum.reduceat(samples, starts)
 
 
 def add_body(

@@ -18,8 +18,7 @@ from ..changes.redraw import SIDEBAR_TAB
 from ..session import sessions
 from .hud import Hud, Rectangle, Target, overlaps
 from .layout import corner_room, free_rectangle, is_main_view, pixels_per_point
-from .levels import STILL
-from .meter_layout import SWITCHES, Scope, meter_hud
+from .meter_layout import SWITCHES, meter_hud
 from .screen import Recent, draw_flat, uploaded
 from .watched import levels_of, watched
 
@@ -35,23 +34,6 @@ _PANEL_SECONDS = 0.1
 _shown = Recent()
 _refreshed = Recent()  # time of the last redraw of a sidebar, by the region's address
 _redo_panels = Recent()  # places of the panel Adjust Last Operation, by the area's address
-
-
-def scope_of(scene: Scene) -> Scope | None:
-    """The last second of the watched listener; None if there is none, or if the scope is switched
-    off."""
-    traced = sessions.shown(scene)
-    name = watched(scene)
-    if traced is None or not scene.haptics.meters.show_scope or not name:
-        return None
-    samples = traced.samples
-    if not samples.size:  # nothing showed samples when the frame was traced
-        latest = STILL.latest(scene, None)
-        if latest is None or not latest.is_current:
-            return None
-        samples = latest.value
-    row = [listener.name for listener in traced.result.listeners].index(name)
-    return Scope(name, samples[row], traced.result.sample_rate)
 
 
 def draw_pixels(spots: Sequence[Spot] = ()) -> None:
@@ -127,7 +109,7 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
     switched = {level.listener: _switched(level.listener) for level in levels}
     key = (
         (traced and traced.serial, levels, spots, room, scale, corner, title, watched(scene)),
-        (tuple(switched.items()), chosen.show_scope, chosen.show_body, bpy.app.translations.locale),
+        (tuple(switched.items()), chosen.show_body, bpy.app.translations.locale),
     )
     known, batch, _ = _shown.get(region.as_pointer(), (None, None, None))
     if known != key:
@@ -136,7 +118,6 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
         body = chosen.show_body
         hud = meter_hud(
             levels,
-            scope_of(scene),
             size,
             scale,
             title,

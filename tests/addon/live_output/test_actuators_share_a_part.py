@@ -49,10 +49,9 @@ def test_the_body_shows_them_as_bright_as_they_play(one_hand, felt, plug, connec
     plug()
     connect()
     playing(2)
-    level = Level("left", "hand.L", -3.0, -6.0, 30.0, -36.0)
+    level = Level("left", "left", "hand.L", -6.0, 30.0)
     plain, shown = (
-        meter_hud([level], None, (1200, 600), 1.0, spots=spots).lines
-        for spots in ((), player.spots())
+        meter_hud([level], (1200, 600), 1.0, spots=spots).lines for spots in ((), player.spots())
     )
     assert len(shown.width) - len(plain.width) == 4, "two actuators, from the front and from behind"
     points = np.isclose(shown.width, 2.5) & (shown.position[:, 0] == shown.position[:, 1]).all(

@@ -40,7 +40,7 @@ def find():
 
 
 def test_before_the_first_look_and_with_nothing_connected(hid, scene):
-    assert drawn().operators == ["haptic.find_devices", "haptic.panic"]
+    assert drawn().operators == ["haptic.find_devices"]
     find()
     assert "No haptic device is connected" in drawn().labels
 

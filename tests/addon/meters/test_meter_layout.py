@@ -4,10 +4,9 @@ more than the levels."""
 import math
 
 import numpy as np
-import pytest
 from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view.levels import Level
-from haptic_tracing.addon.view.meter_layout import MOST_ROWS, ROW, Scope, colour_of, meter_hud
+from haptic_tracing.addon.view.meter_layout import MOST_ROWS, ROW, colour_of, meter_hud
 from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -21,7 +20,6 @@ def level(name, rms=-20.0, part=""):
 
 
 LEVELS = [level(name, -5.0 * k, name) for k, name in enumerate(PAPER_LISTENERS)]
-SCOPE = Scope("hand.L", np.sin(np.arange(8000) / 20.0) * 0.3, 8000.0)
 
 
 def _texts(items):
@@ -40,7 +38,7 @@ def test_everything_lies_within_the_plate_and_the_plate_within_the_room(
     width, height, scale, count, body
 ):
     shown = [level(f"listener {k}", -1.5 * k, PAPER_LISTENERS[k % 10]) for k in range(count)]
-    items = meter_hud(shown, SCOPE, (width, height), scale, "Mode HT", body=body)
+    items = meter_hud(shown, (width, height), scale, "Mode HT", body=body)
     if not len(items.lines.width):
         assert items.texts == ()
         return
@@ -59,7 +57,7 @@ def test_everything_lies_within_the_plate_and_the_plate_within_the_room(
 
 
 def test_values_are_there_as_text():
-    texts = _texts(meter_hud(LEVELS, SCOPE, (1200, 600), 1.0, "Mode HT"))
+    texts = _texts(meter_hud(LEVELS, (1200, 600), 1.0, "Mode HT"))
     for item in LEVELS:
         assert item.listener in texts
     assert {
@@ -70,8 +68,6 @@ def test_values_are_there_as_text():
         "back",
         "L",
         "R",
-        "hand.L, last second",
-        "±0.316",
         "−20",
         "0",
         "+20",
@@ -79,25 +75,22 @@ def test_values_are_there_as_text():
 
 
 def test_elements_without_room_are_left_out_in_order():
-    full = meter_hud(LEVELS, SCOPE, (1200, 600), 1.0)
-    narrow = meter_hud(LEVELS, SCOPE, (250, 600), 1.0)
-    narrower = meter_hud(LEVELS, SCOPE, (204, 600), 1.0)
-    lower = meter_hud(LEVELS, SCOPE, (300, 18 * ROW), 1.0)
-    low = meter_hud(LEVELS, SCOPE, (300, 7 * ROW), 1.0)
+    full = meter_hud(LEVELS, (1200, 600), 1.0)
+    narrow = meter_hud(LEVELS, (250, 600), 1.0)
+    narrower = meter_hud(LEVELS, (204, 600), 1.0)
+    lower = meter_hud(LEVELS, (300, 18 * ROW), 1.0)
+    low = meter_hud(LEVELS, (300, 7 * ROW), 1.0)
     assert all("+35 dB" in _texts(shown) for shown in (full, narrow, narrower, low))
     assert "front" in _texts(narrow)
-    assert "hand.L, last second" in _texts(narrower)
     assert "front" not in _texts(lower)
-    assert "hand.L, last second" in _texts(lower)
-    assert "hand.L, last second" not in _texts(low)
     assert any(words.startswith("and ") for words in _texts(low))
-    assert meter_hud(LEVELS, SCOPE, (90, 600), 1.0).texts == ()
-    assert meter_hud([], SCOPE, (900, 600), 1.0).texts == ()
+    assert meter_hud(LEVELS, (90, 600), 1.0).texts == ()
+    assert meter_hud([], (900, 600), 1.0).texts == ()
 
 
 def test_of_many_listeners_the_strongest_are_shown():
     many = [level(f"l{k}", -50.0 + k) for k in range(30)]
-    texts = _texts(meter_hud(many, None, (900, 900), 1.0))
+    texts = _texts(meter_hud(many, (900, 900), 1.0))
     assert [words for words in texts if words.startswith("l")] == [
         f"l{k}" for k in range(31 - MOST_ROWS, 30)
     ]
@@ -110,15 +103,3 @@ def test_colours_rise_with_the_level_and_grey_is_not_felt():
     weak = Level("x", "x", "", -56.0, -4.0)
     assert colour_of(weak) == colour_of(silent)
     assert len(set(colour_of(silent)[:2])) == 1
-
-
-def test_scope_shows_where_in_the_last_second_something_was():
-    samples = np.zeros(8000)
-    samples[6000:6100] = 0.9
-    items = meter_hud([level("a")], Scope("a", samples, 8000.0), (600, 400), 1.0, body=False)
-    extent = items.lines.position[:, 1, 1] - items.lines.position[:, 0, 1]
-    columns = items.lines.position[extent > 15, 0, 0]
-    ((_, _, right, _),) = items.bounds
-    tall = columns[(columns > 0.6 * right) & (columns < 0.9 * right)]
-    assert len(tall)
-    assert np.median(tall) == pytest.approx(10 + 0.755 * (right - 20), abs=6)
