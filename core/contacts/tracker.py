@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import BoolArray, FloatArray, IntArray, among, carried, chosen_of
 from ..frozen import frozen
 from ..message import Cause, Message
+from .authored import with_rows
 from .body_poses import BodyPoses
 from .body_table import STILL as STILL
 from .body_table import BodyTable
@@ -481,17 +482,21 @@ class ContactTracker:
         self._airborne[pairs.bodies(pairs.struck.nonzero()[0])] = False
 
     def _reported_contacts(self, rows: IntArray, exact: bool) -> ContactSet:
-        """Contacts of the pairs ``rows``; those of the last frame where nothing has changed."""
+        """Contacts of the pairs ``rows``; those of the last frame where neither body has moved."""
         # Whether a pair has parted depends on the past, by the slack; its contact only on the
         # poses.
         pairs = self._pairs
         versions = (self._poses.version[bodies[rows]] for bodies in (pairs.larger, pairs.smaller))
         state = np.array([pairs.key[rows], *versions])
         computed = exact and self._queries > 0
-        if self._last is not None and not computed and np.array_equal(state, self._reported):
+        before, self._reported = self._reported, state
+        if self._last is None or computed or not np.array_equal(state[0], before[0]):
+            return pairs.contacts(rows, self._table, self._poses, self.settings.tolerance)
+        changed = (state[1:] != before[1:]).any(axis=0).nonzero()[0]
+        if len(changed) == 0:
             return self._last.contacts
-        self._reported = state
-        return pairs.contacts(rows, self._table, self._poses, self.settings.tolerance)
+        here = pairs.contacts(rows[changed], self._table, self._poses, self.settings.tolerance)
+        return with_rows(self._last.contacts, changed, here)
 
     def _requested(
         self, endpoints: Endpoints | None, striking: BoolArray, search: HitSearch | None
