@@ -7,6 +7,7 @@ from typing import Any
 
 from bpy.types import Context, Panel, UILayout
 
+from ...core.declaration import shown
 from ...core.scene.impact_rule import CURVES, ImpactRule
 from ...core.scene.rules import ContactSettings
 from ...core.scene.texture import Texture
@@ -72,19 +73,18 @@ class HAPTIC_PT_impacts(ScenePanel):
         if rule.template == "DRAWN":
             layout.prop(rule, "drawing")
         layout.prop(rule, "full_energy")
-        curves = {curve: partial(_draw_curve, rule, curve) for curve in CURVES}
-        draw_held(layout, rule, ImpactRule, seed=partial(_draw_seed, rule), **curves)
+        curves = {
+            curve: partial(_draw_curve, rule, curve)
+            for curve in CURVES
+            if curve in shown(ImpactRule)
+        }
+        draw_held(layout, rule, ImpactRule, **curves)
 
 
 def _draw_curve(rule: Any, curve: str, layout: UILayout) -> None:
     column = layout.column(align=True)
     column.prop(rule, curve, index=0)
     column.prop(rule, curve, index=1, text="at Full Energy")
-
-
-def _draw_seed(rule: Any, layout: UILayout) -> None:
-    if rule.variation:
-        layout.prop(rule, "seed")
 
 
 class HAPTIC_PT_textures(ScenePanel):

@@ -24,6 +24,10 @@ class HapticTake(PropertyGroup):
 class HapticBakeProperties(PropertyGroup):
     """The bake of a scene."""
 
+    reasons = {
+        "use_track": "view",
+    }
+
     takes: CollectionProperty(
         type=HapticTake, name="Takes", description="Bakes that are kept under a name"
     )

@@ -53,7 +53,13 @@ def function_property(names: tuple[str, ...], default: str) -> EnumProperty:
 class FunctionParameters:
     """Mixin: the parameters of all functions of objects."""
 
+    reasons = dict.fromkeys(
+        ("constant", "expression", "range"), "who writes a function of their own"
+    )
+
 
 @holding(NormalForce)
 class ContactParameters(FunctionParameters):
     """Mixin: the parameters of the functions of contacts."""
+
+    reasons = dict.fromkeys(("reference", "exponent"), "contacts that pass on more under load")

@@ -35,6 +35,15 @@ def _radius_edited(self: HapticListenerProperties, context: Context) -> None:
 class HapticListenerProperties(PropertyGroup):
     """A haptic listener, which receives signals at a point of the body."""
 
+    reasons = {
+        "muted": "mute",
+        "solo": "mute",
+        "s_max": "safety",
+        "limiter": "safety",
+        "full_scale*": "calibration",
+        "mixing*": "how a device with few actuators adds up sources",
+    }
+
     enabled: switch(
         "Haptic Listener", "Signals are received at this object's origin", update=_enabled_edited
     )

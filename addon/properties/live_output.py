@@ -24,6 +24,10 @@ def _actuators_chosen(self: PropertyGroup, context: Context) -> None:
 class HapticDeviceProperties(PropertyGroup):
     """The adjustment of one device; its name is the device's key."""
 
+    reasons = {
+        "*": "calibration",
+    }
+
     gain: limited(
         "Gain", "Makes everything on this device stronger or weaker", 1.0, (0.0, 4.0), soft_max=2.0
     )
@@ -59,6 +63,10 @@ class HapticDeviceProperties(PropertyGroup):
 class HapticLiveOutputProperties(PropertyGroup):
     """The live output of a scene."""
 
+    reasons = {
+        "*": "device",
+    }
+
     devices: CollectionProperty(type=HapticDeviceProperties)
     sound_cards: switch(
         "Sound Cards Too",
@@ -76,6 +84,10 @@ class HapticLiveOutputProperties(PropertyGroup):
 
 class HapticActuatorProperties(PropertyGroup):
     """The choice of actuators of a listener."""
+
+    reasons = {
+        "*": "device",
+    }
 
     actuators: text(
         "Actuators",

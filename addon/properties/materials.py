@@ -102,6 +102,8 @@ def unique_name(name: str, taken: set[str]) -> str:
 class HapticMaterial(PropertyGroup):
     """A material of the scene's library."""
 
+    reasons = {"wave_speed": "long bodies, in which vibration takes its time"}
+
     name: text("Name", "Name of the material in this scene's library", update=_material_renamed)
     known_as: StringProperty(options={"HIDDEN"})
 
@@ -158,6 +160,8 @@ class HapticMaterialName(PropertyGroup):
 class HapticMaterialLibrary(PropertyGroup):
     """The haptic materials of a scene. ``names``: what names of Blender materials, objects and
     collections stand for."""
+
+    reasons = {"active": "view", "target": "view"}
 
     items: CollectionProperty(type=HapticMaterial)  # type: ignore[assignment]  # in place of items() of bpy_struct
     names: CollectionProperty(type=HapticMaterialName)

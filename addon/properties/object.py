@@ -31,6 +31,8 @@ def _enabled_edited(self: HapticObjectProperties, context: Context) -> None:
 class HapticObjectProperties(FunctionParameters, PropertyGroup):
     """A haptic object, which transmits signals."""
 
+    reasons = {"surface": "rooms that are shells, and rubble that is hulls"}
+
     enabled: switch("Haptic Object", "Vibration passes through this object", update=_enabled_edited)
     function: function_property(VIBRATION_FUNCTIONS, "physical")
     surface: choice(

@@ -55,6 +55,8 @@ class RuleScope:
 class TableRows:
     """Mixin: the properties of every table besides its items."""
 
+    reasons = {"active": "view"}
+
     active: IntProperty(name="Active Rule", default=0, min=0, options=set())
 
 
@@ -63,6 +65,14 @@ class TableRows:
 @holding(ImpactLimits, "full_energy", more={"full_energy": {"description": _FULL}})
 class HapticImpactRule(RuleScope, PropertyGroup):
     """The rule for impacts between some objects."""
+
+    reasons = {
+        "template": "file",
+        "filepath": "file",
+        "drawing": "file",
+        "full_energy": "steps of characters, see Add Footsteps",
+        "gain": "pairs that make no sound, see Add Footsteps",
+    }
 
     template: choice(
         "Signal",

@@ -19,6 +19,10 @@ _COLUMNS = ("Listener", "Source", "Gain", "Level", "Margin")
 class HapticMetersProperties(PropertyGroup):
     """The meters of a scene."""
 
+    reasons = {
+        "*": "view",
+    }
+
     show: switch(
         "In Viewport",
         "Show over the 3D viewport how much each listener feels, otherwise in the sidebar",
@@ -68,6 +72,16 @@ class HapticMetersProperties(PropertyGroup):
 @holding(Settings)
 class HapticSceneProperties(PropertyGroup):
     """How a scene is traced and shown."""
+
+    reasons = {
+        "show_*": "view",
+        "xray": "view",
+        "tracing": "view",
+        "impacts": "mute",
+        "mode": "the study's four ways to render one scene",
+        "strategy": "to compare with the paper",
+        "contact_tolerance": "models with gaps: up to which gap objects touch",
+    }
 
     tracing: switch(
         "Trace", "Trace haptics at every frame while the timeline plays or objects move", True

@@ -71,6 +71,10 @@ def _edited(self: HapticSoundProperties, context: Context) -> None:
 class HapticSoundProperties(PropertyGroup):
     """A sound, the settings of its conversion, and the resulting vibration."""
 
+    reasons = {
+        "*": "the file that is felt, and the device that plays it",
+    }
+
     origin: choice("Sound", "Where the sound comes from", ORIGINS)
     filepath: file_path("File", "The sound that becomes vibration")
     speaker: reference(

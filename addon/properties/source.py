@@ -35,6 +35,15 @@ SIGNAL_ITEMS = (
 class HapticSourceProperties(PropertyGroup):
     """A haptic source, which emits a signal."""
 
+    reasons = {
+        "muted": "mute",
+        "solo": "mute",
+        "filepath": "file",
+        "drawing": "file",
+        "trigger_markers": "editors who mark moments in the timeline",
+        "priority": "what counts more in a weighted mix",
+    }
+
     enabled: switch("Haptic Source", "This object emits a haptic signal", update=changed)
     muted: switch("Mute", "Keep the source but silence it")
     solo: switch(

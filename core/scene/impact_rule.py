@@ -121,17 +121,16 @@ class ImpactRule:
     )
     pitch: Curve = numbers(
         (1.0, 1.0),
-        "Pitch",
+        "",
         "How many times as fast the signal plays in the weakest collisions, and in those of "
         "full energy",
         2,
         LEAST_PITCH,
         MOST_PITCH,
-        context="Haptics",
     )
     decay: Curve = numbers(
         (1.0, 1.0),
-        "Decay",
+        "",
         "Part of its decay time that the signal has in the weakest collisions, and in those "
         "of full energy",
         2,
@@ -152,7 +151,7 @@ class ImpactRule:
         "Largest relative variation of impacts: higher or lower, shorter and weaker",
         soft=(0.0, 0.3),
     )
-    seed: int = number(0, "Seed", "Another number gives other variations", 0, 10**9, whole=True)
+    seed: int = number(0, "", "Another number gives other variations", 0, 10**9, whole=True)
     limits: ImpactLimits | None = part(
         None, "impact_limits", "Limits of these impacts; default: those of the scene's rules"
     )

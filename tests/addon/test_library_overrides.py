@@ -133,13 +133,13 @@ def test_later_edits_of_the_library_reach_what_the_override_did_not_change(tmp_p
     _reload(tmp_path / "scene.blend")
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "library.blend"))
     there = bpy.data.objects["Box"].haptics
-    there.kappa, there.source.sound.gain, there.source.sound.gate = 0.75, 9.0, -50.0
+    there.kappa, there.source.sound.gain, there.source.sound.frequency = 0.75, 9.0, 90.0
     bpy.data.libraries.write(
         str(tmp_path / "library.blend"), {bpy.data.objects["Box"], bpy.data.node_groups["Signal"]}
     )
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     own = next(obj for obj in bpy.data.objects if obj.override_library).haptics
-    assert (own.kappa, own.source.sound.gain, own.source.sound.gate) == (0.75, 3.0, -50.0)
+    assert (own.kappa, own.source.sound.gain, own.source.sound.frequency) == (0.75, 3.0, 90.0)
 
 
 def test_a_listener_added_to_an_override_feels_after_reloading(tmp_path: Path) -> None:

@@ -228,14 +228,11 @@ def test_buttons_edit_the_table(scene, crate):
 
 def test_variations_depend_on_the_blow_alone_whatever_is_played(scene, blow):
     """From the first frame on, or from a later one: the same bits."""
-    add_rule(scene, variation=0.3, seed=3)
+    add_rule(scene, variation=0.3)
     first = blow()
     scene.frame_set(4)
     again = blow()
     assert (again.signal, again.amplitude) == (first.signal, first.amplitude)
-    scene.haptics.impact_table.items[0].seed = 4
-    scene.frame_set(1)
-    assert blow().signal != first.signal
 
 
 def test_the_table_is_written_to_files(scene, crate, tmp_path):
@@ -247,14 +244,14 @@ def test_the_table_is_written_to_files(scene, crate, tmp_path):
         second="Stone*",
         full_energy=70.5,
     )
-    values = {"gain": (0.25, 0.75), "pitch": (0.5, 2.0), "brightness": (0.1, 0.9)}
-    add_rule(scene, template="PLAIN", variation=0.2, seed=5, **values)
+    values = {"gain": (0.25, 0.75), "brightness": (0.1, 0.9)}
+    add_rule(scene, template="PLAIN", variation=0.2, **values)
     assert bpy.ops.export_scene.haptic_scene(filepath=str(tmp_path / "a.json")) == {"FINISHED"}
     written = read_scene(tmp_path / "a.json")
     first, second = written.rules.impact_table.rows
     assert first.between == (Side(object="crate"), Side(material="Stone*"))
     assert first.value.limits.full_energy == 70.5 and second.value.limits is None
-    assert second.value == ImpactRule("plain", variation=0.2, seed=5, **values)
+    assert second.value == ImpactRule("plain", variation=0.2, **values)
     assert {item.name: item.material for item in written.objects} == {
         "crate": "Softwood",
         "ground": "Stone",

@@ -1,108 +1,116 @@
-"""Each visible setting is of the view, a device, a file or safety, or is set in a sample scene, in
-the study or in an example of the documentation; those that only designers set are listed here with
-what differs then, and the list may only get shorter. And how many settings and operators there are.
+"""Each visible setting is set in a sample scene, or its declaration says who changes it: ``reasons``
+of its property group, by name. And how many settings and operators there are.
 """
 
-import ast
-import re
+from __future__ import annotations
+
 from collections.abc import Iterator
 from fnmatch import fnmatch
-from pathlib import Path
+from inspect import get_annotations
 from typing import Any
 
 import bpy
-import haptic_tracing
+import pytest
+from haptic_tracing.sample_scenes import SAMPLES
 
-ROOT = Path(haptic_tracing.__file__).parent
-FREE = {
-    "view": ("scene.show_*", "scene.xray", "scene.meters.*", "scene.bake.use_track"),
-    "mute and solo": ("*.muted", "*.solo"),
-    "devices and calibration": (
-        "scene.live_output.*",
-        "object.live_output.*",
-        "object.listener.full_scale*",
-    ),
-    "files": ("*.filepath", "*.drawing", "*.speaker", "*.strip", "*.loop"),
-    "safety": ("object.listener.s_max", "object.listener.limiter"),
-}
-"""Settings that need no example, by what they are of."""
-DESIGNERS = {
-    "scene.impact_table.items.pitch": "a pair that sounds higher or lower than its materials",
-    "scene.contact_tolerance": "models with gaps: up to which gap objects touch",
-    "scene.transmission_table.items.*": "a contact that passes on less, or by its own function",
-    "object.spring_loss": "a mount that rings longer or shorter",
-    "object.constant": "the gain of the function Constant",
-    "object.expression": "the formula of the function Expression",
-    "object.density": "a body of another density than its material's",
-    "object.plate_thickness": "a plate or shell",
-    "object.reference_distance": "a source that is larger than a point",
-    "object.source.sound.*": "how a sound becomes vibration",
-    "object.source.trigger_*": "one-shots at markers, blows, and where something passes",
-    "object.source.priority": "what is felt first in a mix",
-    "object.listener.mixing*": "how sources add up in a listener",
-}
-MOST_SETTINGS, MOST_OPERATORS = 143, 61
+MOST_SETTINGS, MOST_OPERATORS = 136, 62
 
 
-def settings() -> Iterator[str]:
-    """The visible properties of scenes and objects, by path."""
-
-    def of(struct: Any, path: str) -> Iterator[str]:
-        for item in struct.properties:
-            if item.identifier in ("rna_type", "name") or item.is_hidden:
-                continue
-            inner = getattr(item, "fixed_type", None)
-            if inner is not None and inner.identifier.startswith("Haptic"):
-                yield from of(inner, f"{path}.{item.identifier}")
-            else:
-                yield f"{path}.{item.identifier}"
-
-    for owner in (bpy.types.Scene, bpy.types.Object):
-        group = owner.bl_rna.properties["haptics"].fixed_type
-        yield from of(group, owner.bl_rna.identifier.lower())
+def kinds_of(group: Any) -> Iterator[tuple[type, Any]]:
+    """Pairs of a property group's class and its RNA, of a group and of all groups in it."""
+    yield bpy.types.PropertyGroup.bl_rna_get_subclass_py(group.identifier), group
+    for item in group.properties:
+        inner = getattr(item, "fixed_type", None)
+        if inner is not None and inner.identifier.startswith("Haptic"):
+            yield from kinds_of(inner)
 
 
-def names_in(tree: ast.AST) -> Iterator[str]:
-    """The names that a program sets: of attributes, of arguments, and in short texts."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
-            yield node.attr
-        elif isinstance(node, ast.keyword) and node.arg:
-            yield node.arg
-        elif isinstance(node, ast.Constant) and len(str(node.value)) < 200:
-            yield from re.findall(r"\w+", str(node.value))
+def is_setting(item: Any) -> bool:
+    inner = getattr(item, "fixed_type", None)
+    is_group = inner is not None and inner.identifier.startswith("Haptic")
+    return not is_group and not item.is_hidden and item.identifier not in ("rna_type", "name")
 
 
-def shown_somewhere() -> set[str]:
-    found: set[str] = set()
-    for folder in ("sample_scenes", "study"):
-        for path in (ROOT / folder).rglob("*.py"):
-            found |= set(names_in(ast.parse(path.read_text(encoding="utf-8"))))
-        for path in (ROOT / folder).rglob("*.toml"):
-            found |= set(re.findall(r"\w+", path.read_text(encoding="utf-8")))
-    for path in (ROOT / "docs").rglob("*.md"):
-        for text in re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL):
-            found |= set(names_in(ast.parse(text)))
-    return found
-
-
-def test_every_visible_setting_has_a_reason():
-    known = shown_somewhere()
-    free = [pattern for patterns in FREE.values() for pattern in patterns]
-    left = {
-        path
-        for path in settings()
-        if path.rpartition(".")[2] not in known
-        and not any(fnmatch(path, pattern) for pattern in free)
+def settings() -> set[tuple[type, str]]:
+    """The visible properties of scenes and objects: the class that declares each, and its name."""
+    return {
+        (cls, item.identifier)
+        for owner in (bpy.types.Scene, bpy.types.Object)
+        for cls, group in kinds_of(owner.bl_rna.properties["haptics"].fixed_type)
+        for item in group.properties
+        if is_setting(item)
     }
-    unexplained = {path for path in left if not any(fnmatch(path, p) for p in DESIGNERS)}
+
+
+def declaring(cls: type, name: str) -> type:
+    """The class or mixin that declares a property first."""
+    return next(c for c in reversed(cls.__mro__) if name in get_annotations(c))
+
+
+def plain(value: Any) -> Any:
+    return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
+
+
+def changed(group: Any) -> Iterator[tuple[type, str]]:
+    """What has another value than its default in a group and in all groups in it."""
+    for item in group.bl_rna.properties:
+        if item.type == "COLLECTION":
+            for inner in getattr(group, item.identifier):
+                yield from changed(inner)
+        elif item.type == "POINTER":
+            value = getattr(group, item.identifier)
+            if not is_setting(item) and item.identifier != "rna_type" and value is not None:
+                yield from changed(value)
+            elif value is not None:
+                yield type(group), item.identifier
+        elif group.is_property_set(item.identifier):
+            default = item.default_array if getattr(item, "is_array", False) else item.default
+            if plain(getattr(group, item.identifier)) != plain(default):
+                yield type(group), item.identifier
+
+
+def reason_of(cls: type, name: str) -> str:
+    """Who changes a setting, "" if its declaration does not say."""
+    return next(
+        (
+            why
+            for c in cls.__mro__
+            for pattern, why in c.__dict__.get("reasons", {}).items()
+            if fnmatch(name, pattern)
+        ),
+        "",
+    )
+
+
+@pytest.mark.slow
+def test_every_visible_setting_is_set_in_a_sample_or_says_who_changes_it():
+    found = set()
+    for sample in SAMPLES.values():
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        sample.build(bpy.context.scene)
+        found |= set(changed(bpy.context.scene.haptics))
+        for obj in bpy.data.objects:
+            found |= set(changed(obj.haptics))
+    shown = {(declaring(*one), one[1]) for one in found if one in settings()}
+    assert len(shown) > 40
+    unexplained = {
+        f"{cls.__name__}.{name}"
+        for cls, name in settings()
+        if (declaring(cls, name), name) not in shown and not reason_of(cls, name)
+    }
     assert not unexplained, "set them in a sample, or let their value be the behaviour"
-    unused = {p for p in DESIGNERS if not any(fnmatch(path, p) for path in left)}
-    assert not unused, "take these out of the list"
+
+
+def test_reasons_are_of_settings_that_there_are():
+    known = settings()
+    for cls in {cls for cls, _ in known}:
+        for base in cls.__mro__:
+            for pattern in base.__dict__.get("reasons", {}):
+                assert any(c is cls and fnmatch(name, pattern) for c, name in known), (cls, pattern)
 
 
 def test_there_are_no_more_settings_and_operators_than_before():
-    assert len(list(settings())) <= MOST_SETTINGS
+    assert len(settings()) <= MOST_SETTINGS
     stack, found = [bpy.types.Operator], set()
     while stack:
         cls = stack.pop()
