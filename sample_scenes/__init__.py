@@ -137,7 +137,7 @@ SAMPLES: Mapping[str, Sample] = MappingProxyType(
                 "Kart and Driver",
                 80,
                 "A driver feels engine, kerb and setts through seat and steering wheel",
-                about=("hand", "upper_leg"),
+                about=("hand", "middle_back", "upper_leg"),
             ),
             Sample(
                 "kitchen",

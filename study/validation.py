@@ -197,7 +197,7 @@ _SPEED_LINE = "phase_speed=damping.speed,"
 _LIMB_LINE = "resonance, speed = LIMBS.get(part, (function.resonance, function.phase_speed))"
 _PAPER_LINE = "k * np.exp(-np.maximum(k, epsilon) * np.asarray(distance, dtype=np.float64))"
 _BUILDING_LINE = "absorption=IN_A_BUILDING if in_a_building else 0.0,"
-_MATCH_LINE = "gain = np.nan_to_num(np.minimum(2 / (1 + load / driving), 1.0), nan=1.0)"
+_MATCH_LINE = "gain = np.minimum(2 / (1 + load / driving), 1.0)"
 
 
 def unfitted(name: str, frequency: float, distance: Sequence[float]) -> FloatArray:
