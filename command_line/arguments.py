@@ -205,6 +205,12 @@ def _export(parser: Parser) -> None:
     _add(parser, "--to", "FORMAT,...", f"{FORMAT_NAMES} (wav)", default="wav")
     _add_folder(parser, "where the files are written; -: one file, to standard output")
     _add_format_options(parser)
+    _flag(
+        parser,
+        "--absolute",
+        "keep the traced levels and every listener; else one gain uses the range, and who feels "
+        "nothing is left out",
+    )
     _flag(parser, "--losses", "only say what the formats can't carry")
     _flag(
         parser,

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from ..core.formats import registry
 from ..core.formats.export import Export
-from ..core.formats.io.catalogue import Value, formats, named, value_of
+from ..core.formats.io.catalogue import SCENE, Value, formats, named, value_of
 from ..core.formats.io.file_names import file_stem
 from ..core.forms import JsonObject
 from ..core.plugins import offered
@@ -82,17 +82,23 @@ def _written(
 ) -> JsonObject:
     """Write an export in each format, unless only its losses are asked for, and print both; the
     same as JSON values."""
-    names = _writable(args.to, list(options), export, options)
-    result: JsonObject = {"name": export.name}
+    is_kept = args.absolute or list(options) == [SCENE.name]
+    clips, changes = (export, ()) if is_kept else export.as_clips()
+    given = {name: export if name == SCENE.name else clips for name in options}
+    names = _writable(args.to, given, options)
+    result: JsonObject = {"name": export.name, "changes": changes}
+    to_stdout = args.out == DASH
+    for words in changes:
+        print(f"{export.name}: {words}", file=sys.stderr if to_stdout else sys.stdout)
     if args.losses:
-        losses = {name: registry.losses(name, export, options[name]) for name in names}
+        losses = {name: registry.losses(name, given[name], options[name]) for name in names}
         print_losses(losses)
         return result | {"losses": losses}
-    to_stdout = args.out == DASH
     target = folder() if to_stdout else args.out
     target.mkdir(parents=True, exist_ok=True)
     written = {
-        name: registry.write(name, export, target, options[name], may_replace) for name in names
+        name: registry.write(name, given[name], target, options[name], may_replace)
+        for name in names
     }
     if to_stdout:
         put_out([path for item in written.values() for path in item.files], args.stdout)
@@ -100,7 +106,7 @@ def _written(
         return result
     if args.picture and export.tracks is not None:
         written = {
-            name: _with_picture(name, export, item, target) for name, item in written.items()
+            name: _with_picture(name, given[name], item, target) for name, item in written.items()
         }
     result |= report(written)
     if args.methods:
@@ -114,8 +120,9 @@ def report(written: Mapping[str, registry.Written]) -> JsonObject:
     JSON values."""
     files = [str(path) for item in written.values() for path in item.files]
     losses = {name: item.losses for name, item in written.items()}
-    for file in files:
-        print(f"wrote {file}")
+    replaced = {path for item in written.values() for path in item.replaced}
+    for path in (path for item in written.values() for path in item.files):
+        print(f"replaced {path}" if path in replaced else f"wrote {path}")
     print_losses(losses)
     listeners = {
         name: [asdict(one) for one in item.fidelity.listeners]
@@ -135,7 +142,7 @@ def print_losses(losses: Mapping[str, Sequence[str]]) -> None:
 def may_replace(written: registry.Written) -> bool:
     """Ask on the terminal whether files are replaced by ones that keep little of the vibration;
     True without a terminal."""
-    if not sys.stdin.isatty():
+    if not (written.is_poor and sys.stdin.isatty()):
         return True
     names = ", ".join(path.name for path in written.files[:3])
     print(
@@ -157,12 +164,12 @@ def chosen_formats(text: str) -> list[str]:
 
 
 def _writable(
-    text: str, names: Sequence[str], export: Export, options: Mapping[str, Mapping[str, Value]]
+    text: str, exports: Mapping[str, Export], options: Mapping[str, Mapping[str, Value]]
 ) -> list[str]:
-    """The formats ``names``, as chosen by ``text``; of ``all`` those that can be written, and a
-    line for each other one."""
+    """The formats of ``exports``, as chosen by ``text``; of ``all`` those that can be written, and
+    a line for each other one."""
     found = []
-    for name in names:
+    for name, export in exports.items():
         try:
             registry.losses(name, export, options[name])
         except ValueError as error:

@@ -240,7 +240,7 @@ class HAPTIC_OT_run_job(Action):
 
 
 class HAPTIC_OT_replace_files(Action):
-    """Replace files by ones that keep little of the vibration"""
+    """Replace files"""
 
     bl_label = "Replace Files?"
     bl_options = {"INTERNAL"}

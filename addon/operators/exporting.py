@@ -267,6 +267,11 @@ class HAPTIC_OT_export_tracks(RangeExport, Action):
                 default={"wav"},
                 options={"ENUM_FLAG"},
             ),
+            "absolute": switch(
+                "Absolute Levels",
+                "Keep the traced levels and every listener; else one gain uses the range, and who "
+                "feels nothing is left out",
+            ),
             **option_properties(formats),
         }
 
@@ -277,6 +282,7 @@ class HAPTIC_OT_export_tracks(RangeExport, Action):
     def draw(self, context: Context) -> None:
         layout = self.options_layout()
         layout.column(align=True).props_enum(self, "formats")
+        layout.prop(self, "absolute")
         self.draw_range(layout)
         export = capture.expected(context.scene, True, self.collection)
         for name in self._wanted():
@@ -293,37 +299,34 @@ class HAPTIC_OT_export_tracks(RangeExport, Action):
         writers = [track_writer(name, folder, chosen(self, name)) for name in self._wanted()]
         if not writers:
             raise TranslatedError("Choose a format")
-        return self.captured(
-            context,
-            False,
-            True,
-            lambda export, running: [
-                report for write in writers for report in write(export, running)
-            ],
-        )
+        absolute = self.absolute
+
+        def write(export: Export, running: job.Job) -> list[job.Report]:
+            clips, changes = (export, ()) if absolute else export.as_clips()
+            reports: list[job.Report] = [({"INFO"}, words) for words in changes]
+            return reports + [report for one in writers for report in one(clips, running)]
+
+        return self.captured(context, False, True, write)
 
 
 def track_writer(
     name: str, folder: Path, options: dict[str, Any]
 ) -> Callable[[Export, job.Job], list[job.Report]]:
-    """A function that writes a format, and asks before files are replaced by ones that keep little
-    of the vibration."""
+    """A function that writes a format, and asks before files are replaced."""
 
     def write(export: Export, running: job.Job) -> list[job.Report]:
-        def consent(poor: registry.Written) -> bool:
-            question = ui_text(
-                "The new files keep little of the vibration. Replace {}?", shown(poor.files)
-            )
-            return running.ask((question, *(poor.fidelity.sentences() if poor.fidelity else ())))
+        def consent(new: registry.Written) -> bool:
+            names = shown(new.replaced)
+            if not new.is_poor or new.fidelity is None:
+                return running.ask((ui_text("Replace {}?", names),))
+            question = ui_text("The new files keep little of the vibration. Replace {}?", names)
+            return running.ask((question, *new.fidelity.sentences()))
 
         done = registry.write(name, export, folder, options, consent, running.progress)
-        if done.files:
-            last_export.written = done
-        return (
-            written(done.files, done.losses)
-            if done.files
-            else [({"WARNING"}, report_text("Nothing was replaced"))]
-        )
+        if not done.files:
+            return [({"WARNING"}, report_text("Nothing was replaced"))]
+        last_export.written = done
+        return written(done.files, done.losses)
 
     return write
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ..forms import Form
@@ -12,6 +12,7 @@ from ..scene.library import LibraryMaterial
 from ..scene.values import HapticScene
 from .provenance import methods, provenance_of
 from .scene.recording import Recording
+from .tracks.clips import clips_of
 from .tracks.listener_tracks import Tracks
 
 
@@ -36,6 +37,15 @@ class Export:
     def provenance(self) -> Form:
         """What files say of their origin: `provenance_of` the scene."""
         return provenance_of(self.scene) if self.origin is None else self.origin
+
+    def as_clips(self) -> tuple[Export, tuple[str, ...]]:
+        """The export with its tracks as `Clips`, whose gain is part of the provenance then, and
+        what was changed, one sentence each."""
+        if self.tracks is None or not self.tracks.listeners:
+            return self, ()
+        clips = clips_of(self.tracks)
+        origin = {**self.provenance, "gain_decibels": clips.gain}
+        return replace(self, tracks=clips.tracks, origin=origin), clips.sentences()
 
     def methods(self) -> str:
         """A paragraph on how the tracks were made. Raises ValueError without a scene."""

@@ -28,17 +28,23 @@ class Written:
     """Result of writing: ``files`` in the order of writing, ``losses`` one sentence each, the
     measured ones last.
 
-    ``fidelity``: the measured losses, None without tracks or for silence.
+    ``fidelity``: the measured losses, None without tracks or for silence. ``replaced``: those of
+    the files that were there before.
     """
 
     files: tuple[Path, ...]
     losses: tuple[str, ...]
     fidelity: Fidelity | None = None
+    replaced: tuple[Path, ...] = ()
+
+    @property
+    def is_poor(self) -> bool:
+        """Whether the files keep little of the vibration."""
+        return self.fidelity is not None and self.fidelity.is_poor
 
 
 Consent = Callable[[Written], bool]
-"""Called before a file is replaced by one that keeps little of the vibration; returns whether to
-write."""
+"""Called before files are replaced; returns whether to write."""
 
 
 def losses(
@@ -69,8 +75,7 @@ def write(
         export: what is written.
         folder: an existing one.
         chosen: options of the format by name; defaults for the others.
-        consent: asked before a file is replaced by one that keeps little of the vibration; None:
-            such files are replaced.
+        consent: asked before files are replaced; None: they are.
         progress: called with the share that has been measured; what it raises ends the writing.
     """
     form = named(name)
@@ -84,14 +89,9 @@ def write(
         fidelity: Fidelity | None = None if measured is None else measured.result()
         told = () if fidelity is None else fidelity.sentences()
         targets = place.targets(files)
-        written = Written(tuple(targets), (*lost, *told), fidelity)
-        if (
-            consent
-            and fidelity
-            and fidelity.is_poor
-            and any(path.exists() for path in targets)
-            and not consent(written)
-        ):
+        there = tuple(path for path in targets if path.exists())
+        written = Written(tuple(targets), (*lost, *told), fidelity, there)
+        if consent and there and not consent(written):
             return replace(written, files=())
         place.commit(files)
     return written

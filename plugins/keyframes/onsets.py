@@ -16,7 +16,8 @@ QUIET, RISING = 8, 5
 that no tone has onsets; and the longest rise."""
 PROMINENT, FAINT = 16.0, 0.0025
 """Least power of an onset relative to that of the quiet around it, and to the largest power."""
-
+DECAYED = 4.0
+"""Least largest power of a pulse relative to that after it."""
 TOGETHER = 20
 """Milliseconds within which an onset belongs to an impact."""
 
@@ -31,15 +32,15 @@ def onsets(power: FloatArray) -> IntArray:
 
 
 def pulses(power: FloatArray, longest: float) -> IntArray:
-    """The onsets of what lasts at most ``longest`` seconds: after it, the power is 12 dB below its
-    largest."""
+    """The onsets of what decays within ``longest`` seconds to less than a part of its largest
+    power, as a blow or a pulse does, and no tone."""
     begins = onsets(power)
     length = math.ceil(longest * RATE) + 1
     padded = np.pad(power, (0, length + QUIET))
     peaks = sliding_window_view(padded, length)[begins].max(axis=1)
     after = sliding_window_view(padded[1:], QUIET).max(axis=1)
     ends = sliding_window_view(after, length)[begins].min(axis=1)
-    return np.asarray(begins[ends * PROMINENT < peaks])
+    return np.asarray(begins[ends * DECAYED < peaks])
 
 
 def away_from(found: IntArray, impacts: FloatArray) -> IntArray:

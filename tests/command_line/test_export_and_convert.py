@@ -157,7 +157,16 @@ def test_a_terminal_is_asked_before_a_poor_copy_replaces_a_file(tmp_path, answer
 @pytest.mark.plugins
 def test_export_to_all_formats(capsys, scene_file, tmp_path):
     code, out, err = run(
-        capsys, "export", scene_file, "--to", "all", "--out", tmp_path / "out", "--seconds", "1"
+        capsys,
+        "export",
+        scene_file,
+        "--to",
+        "all",
+        "--out",
+        tmp_path / "out",
+        "--seconds",
+        "1",
+        "--absolute",
     )
     assert (code, err) == (0, "")
     (printed,) = json.loads(out)["exports"]
@@ -202,6 +211,7 @@ def test_all_formats_are_those_that_can_be_written(capsys, tmp_path):
         tmp_path / "out",
         "--seconds",
         "0.1",
+        "--absolute",
     )
     assert code == 0 and err.count("\n") == 1 and err.startswith("tact: ") and "body part" in err
     (printed,) = json.loads(out)["exports"]
@@ -218,6 +228,7 @@ def test_all_formats_are_those_that_can_be_written(capsys, tmp_path):
         tmp_path / "none",
         "--seconds",
         "0.1",
+        "--absolute",
     )
     assert code == 2 and "give one such a body part" in err and not (tmp_path / "none").exists()
 
@@ -270,6 +281,7 @@ def test_tracks_in_the_file_are_taken_as_they_are(capsys, scene_file, tmp_path):
         scene_file,
         "--to",
         "scene,wav",
+        "--absolute",
         "--out",
         tmp_path / "b",
         "--option",
@@ -287,6 +299,7 @@ def test_tracks_in_the_file_are_taken_as_they_are(capsys, scene_file, tmp_path):
         "wav",
         "--out",
         tmp_path / "c",
+        "--absolute",
         "--seconds",
         "9",
     )
@@ -308,6 +321,7 @@ def test_losses_alone_write_nothing(capsys, scene_file, tmp_path):
         "--losses",
         "--seconds",
         "0.1",
+        "--absolute",
     )
     assert (
         code == 0

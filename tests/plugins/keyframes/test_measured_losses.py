@@ -297,7 +297,7 @@ def test_no_ahap_pattern_is_empty(tmp_path, impacts):
 
 
 @pytest.mark.parametrize("answer", [True, False])
-def test_a_poor_copy_replaces_a_file_only_with_consent(tmp_path, answer):
+def test_a_file_is_replaced_only_with_consent(tmp_path, answer):
     asked = []
     export = Export("one", tracks=tracks_of(SIGNALS["noise"]))
 
@@ -316,5 +316,7 @@ def test_a_poor_copy_replaces_a_file_only_with_consent(tmp_path, answer):
     assert {path for path in tmp_path.rglob("*") if path.is_file()} == set(content)
     faithful = Export("one", tracks=tracks_of(SIGNALS["tone"]))
     registry.write("hjif", faithful, tmp_path, {}, consent)
-    registry.write("hjif", faithful, tmp_path, {}, consent)
-    assert len(asked) == 1
+    assert len(asked) == 1 and asked[0].is_poor
+    (again,) = registry.write("hjif", faithful, tmp_path, {}, consent).files or [None]
+    assert (again is not None) == answer
+    assert len(asked) == 2 and not asked[1].is_poor and asked[1].replaced == asked[1].files
