@@ -124,6 +124,9 @@ class Job:
         """Ask a question of several lines and wait for the answer; True without a user."""
         if not self.asks:
             return True
+        self._answered.clear()
+        if self._cancelled.is_set():
+            return False
         self.question = tuple(question)
         self._answered.wait()
         return self._consent

@@ -262,6 +262,28 @@ def test_a_poor_file_replaces_another_only_with_consent(tmp_path, consent):
 
 
 @pytest.mark.plugins
+def test_each_of_several_files_is_asked_for(tmp_path):
+    from haptic_tracing.addon.blender.job import Job
+    from haptic_tracing.addon.operators.exporting import track_writer
+
+    tone = 0.5 * np.sin(2 * np.pi * 100 * np.arange(8000) / 8000)[None]
+    export = Export("tone", tracks=Tracks((ListenerTrack("hand", "hand.L"),), 8000, tone))
+    kept, replaced = tmp_path / "tone.hjif", tmp_path / "tone.wav"
+    for path in (kept, replaced):
+        path.write_text("what was there")
+    writers = [track_writer(name, tmp_path, {}) for name in ("hjif", "wav")]
+    job = Job("Exporting", 1, iter(()), lambda running: [w(export, running) for w in writers])
+    job.asks = True
+    for path in (kept, replaced):
+        while not job.question:
+            assert job.advance(1.0) is None
+        assert job.question == (f"Replace {path.name}?",)
+        job.answer(path == replaced)
+    ended(job)
+    assert kept.read_text() == "what was there" and replaced.read_bytes()[:4] == b"RIFF"
+
+
+@pytest.mark.plugins
 def test_cancelled_while_it_writes(tmp_path):
     from haptic_tracing.addon.blender.job import Cancelled, Job
     from haptic_tracing.addon.operators.exporting import track_writer
