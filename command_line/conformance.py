@@ -115,6 +115,9 @@ def _differences(
     answer: Form, expected: Form, tolerances: Mapping[str, float]
 ) -> Iterator[tuple[str, str]]:
     """Places of an answer, and what is there instead of what is expected."""
+    if "impacts" in answer and "impacts" in expected:
+        impacts = _arranged(answer["impacts"], expected["impacts"], tolerances["seconds"])
+        answer = {**answer, "impacts": impacts}
     given, wanted = dict(_values(answer)), dict(_values(expected))
     for place, value in wanted.items():
         *within, key = place
@@ -128,6 +131,21 @@ def _differences(
     more = len(answer.get("impacts", ())) - len(expected.get("impacts", ()))
     if "impacts" in expected and more > 0:
         yield "impacts", f"{more} more than expected"
+
+
+def _arranged(impacts: list[Form], expected: list[Form], seconds: float) -> list[Form]:
+    """The impacts in the order of those expected: which of two is the first means nothing within
+    the tolerance of their times."""
+    left, arranged = list(impacts), []
+    for one in expected[: len(left)]:
+        alike = (
+            number
+            for number, other in enumerate(left)
+            if set(other["objects"]) == set(one.get("objects", ()))
+            and abs(other["time"] - one.get("time", math.inf)) <= seconds
+        )
+        arranged.append(left.pop(next(alike, 0)))
+    return arranged + left
 
 
 def _values(value: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:

@@ -1,5 +1,5 @@
 """Recordings: the poses of objects in Blender, frame by frame, and the levels and impacts that
-Blender itself gives for them.
+the add-on gives for them.
 
 python conformance/record.py SAMPLE FIRST LAST      write a sample's recording beside this script
 
@@ -20,10 +20,13 @@ from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.addon.io.frame_scene import written_frame
 from haptic_tracing.addon.io.written_objects import WrittenObjects
 from haptic_tracing.addon.session import session, timeline
+from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.levels import shown_levels
 from haptic_tracing.core.formats.scene.scene_json import scene_to_dict
 from haptic_tracing.core.formats.scene.values_json import item_to_dict
+from haptic_tracing.core.render.history import History
 from haptic_tracing.core.render.levels import finite
+from haptic_tracing.core.tracer import Tracer
 from haptic_tracing.sample_scenes import SAMPLES, build_sample
 
 TOLERANCES = {"seconds": 1e-4, "energy": 1e-3}
@@ -34,15 +37,20 @@ CARRIED = 1e-4
 
 def recording(scene, first, last):
     """The messages of an engine that has the poses of ``scene``, and the answers that agree with
-    Blender's own levels, gains and impacts."""
-    exchange, pen = [], None
+    the levels, gains and impacts of Blender's frames by these poses: what curves tell between them
+    an engine doesn't know."""
+    exchange, pen, tracer, history = [], None, Tracer(), History()
     with closing(timeline.steps(scene, first, last)) as steps:
         for step in steps:
             own = session.of(scene)
             if pen is None:
                 pen = _Pen(step.result, own.reading, scene)
                 exchange.append(pen.hello())
-            exchange += pen.messages(own.reading, step.result, own.shown)
+            tracer.collisions.settings = own.reading.contact_settings
+            result = tracer.step(replace(own.request.frame, motion=None))
+            history.feed(result)
+            shown = Traced(result, own.reading.settings, history.all(), own.reading)
+            exchange += pen.messages(own.reading, result, shown)
     return exchange
 
 
