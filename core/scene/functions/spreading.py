@@ -30,21 +30,6 @@ class Law(NamedTuple):
     over: float
     point: float = math.inf
 
-    def cost(self, distance: float) -> float:
-        """The cost over one distance between points."""
-        return self._unbounded(min(distance, self.over))
-
-    def between(self, distance: float, one: Sequence[float], other: Sequence[float]) -> float:
-        """The cost over one distance between the fronts of two patches, see `Spreading.cost`."""
-        run = max(one[0], other[0], min(distance + (one[0] + other[0]) / 2, self.over))
-        return max(self._unbounded(run) - one[1] - other[1], 0.0)
-
-    def _unbounded(self, run: float) -> float:
-        cost = self.exponent * math.log1p(min(run, self.extent) / self.reference)
-        return (
-            cost + 0.5 * math.log1p((run - self.extent) / self.width) if run > self.extent else cost
-        )
-
 
 NO_SPREADING = Law(0.0, 1.0, math.inf, 1.0, math.inf)
 _ONE = np.zeros(1, dtype=np.int64)
@@ -103,12 +88,6 @@ class Spreading:
         """By how much the cost over two distances exceeds that over their sum, in objects ``index``
         (n,); it grows with each of the distances."""
         return self.cost(index, one) + self.cost(index, other) - self.cost(index, one + other)
-
-    def slope(self, index: IntArray, distance: FloatArray) -> FloatArray:
-        """The derivative of the cost between points, at each distance that beyond it."""
-        exponent, reference, extent, width, over = self._laws.take(index, axis=1)
-        far = np.where(distance < over, 0.5 / (width + np.maximum(distance - extent, 0.0)), 0.0)
-        return np.where(distance < extent, exponent / (reference + distance), far)
 
     def _unbounded(self, index: IntArray | int, run: FloatArray) -> FloatArray:
         """The cost over a run [m] of waves that go on beyond ``over``."""
