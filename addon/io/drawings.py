@@ -15,7 +15,7 @@ from ...core.signals.drawn import EMPHASIS_SECONDS
 from ..properties.drawing import AMPLITUDE, FREQUENCY, LONGEST
 from ..properties.signal_kinds import HERTZ
 from ..scene_reader import animated_curves as animated
-from ..scene_reader.drawings import MOST_EMPHASES, mapping_of
+from ..scene_reader.drawings import MOST_EMPHASES
 from ..scene_reader.objects import read_source
 
 _MOST_POINTS = 1000
@@ -99,29 +99,6 @@ def write_points(mapping: Any, places: FloatArray, kinds: Sequence[str] = ()) ->
         point.handle_type = kinds[k] if kinds else "VECTOR"
         point.select = False
     mapping.update()
-
-
-def shape_envelope(
-    tree: NodeTree, attack: float, decay: float, sustain: float, release: float
-) -> None:
-    """Draw an envelope of straight lines over a whole signal, which is extended if it is too short.
-
-    Args:
-        tree: the drawn signal.
-        attack: time from 0 to 1 [s].
-        decay: time from 1 to ``sustain`` [s].
-        sustain: 0 to 1.
-        release: time from ``sustain`` to 0 [s].
-    """
-    tree.haptics.duration = max(tree.haptics.duration, attack + decay + release)
-    hold = max(tree.haptics.duration - attack - decay - release, 0.0)
-    corners = np.column_stack(
-        [
-            np.cumsum([0.0, attack, decay, hold, release]) / tree.haptics.duration,
-            [0.0, 1.0, sustain, sustain, 0.0],
-        ]
-    )
-    write_points(mapping_of(tree, AMPLITUDE), corners[int(attack == 0.0) : 5 - int(release == 0.0)])
 
 
 def signal_of(obj: Object, scene: Scene) -> Signal:

@@ -12,11 +12,8 @@ from ..blender.polling import UNDO, Need, OnActive
 from ..blender.words import report_text
 from ..io import drawings, signal_library, sound_source
 from ..live_output import preview
-from ..properties.kinds import limited, share, text, whole
+from ..properties.kinds import text, whole
 from ..scene_reader import kept_signal
-
-_TIMES = (0.0, 100.0)
-"""Range of the parts of an envelope [s]."""
 
 
 def _has_drawing(context: Context) -> bool:
@@ -40,21 +37,6 @@ class HAPTIC_OT_draw_signal(OnActive):
         source = context.object.haptics.source
         source.drawing = drawings.drawn_like(context.object, context.scene)
         source.signal = "DRAWN"
-
-
-class HAPTIC_OT_shape_envelope(_OnDrawing):
-    """Draw an envelope that rises, falls to a level, stays there and ends"""
-
-    bl_label = "Shape Envelope"
-
-    attack: limited("Attack (s)", "Time of the rise to full amplitude", 0.05, _TIMES)
-    decay: limited("Decay (s)", "Time of the fall to the level that is held", 0.15, _TIMES)
-    sustain: share("Sustain", "The level that is held", 0.6)
-    release: limited("Release (s)", "Time of the fall to silence at the end", 0.3, _TIMES)
-
-    def apply(self, context: Context) -> None:
-        tree: Any = context.object.haptics.source.drawing
-        drawings.shape_envelope(tree, self.attack, self.decay, self.sustain, self.release)
 
 
 class HAPTIC_OT_edit_emphasis(_OnDrawing):

@@ -230,16 +230,6 @@ class HAPTIC_OT_realize_instances(OnSelected):
             bpy.ops.object.duplicates_make_real()
 
 
-class HAPTIC_OT_use_mesh(OnActive):
-    """Let the rigid body collide by its mesh instead of its convex hull. Active bodies take more time to simulate"""
-
-    bl_label = "Use Mesh"
-
-    def apply(self, context: Context) -> None:
-        if context.object.rigid_body is not None:
-            context.object.rigid_body.collision_shape = "MESH"
-
-
 class HAPTIC_OT_clear(OnSelected):
     """Remove all haptic roles from the selected objects; their settings are kept"""
 

@@ -185,7 +185,7 @@ def _draw_surface(layout: UILayout, context: Context, obj: Object) -> None:
         return
     warn(layout, "Its convex hull touches,", ui_text("up to {} beside its surface", length))
     if body is not None:
-        layout.operator("haptic.use_mesh", icon="MESH_DATA")
+        layout.prop(body, "collision_shape")
 
 
 def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:

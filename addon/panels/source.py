@@ -71,7 +71,6 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
     drawing = tree.haptics
     draw_properties(layout, drawing, "lowest", "highest")
     draw_each(layout, drawing, "duration", "loops")
-    layout.operator("haptic.shape_envelope", icon="IPO_EASE_IN_OUT")
     column = layout.column(align=True)
     column.use_property_split = False
     column.operator("haptic.edit_emphasis", icon="ADD").index = -1

@@ -12,7 +12,7 @@ from haptic_tracing.addon.scene_reader.drawings import mapping_of, points_of, re
 from haptic_tracing.addon.session import session
 from haptic_tracing.core.formats import haptic_scene
 from haptic_tracing.core.formats.scene.recording import traced as traced_again
-from haptic_tracing.core.signals import Adsr, Automation, Drawing, Emphasis, Noise
+from haptic_tracing.core.signals import Automation, Drawing, Emphasis, Noise
 
 RATE = 8000
 POINTS = np.array([(0.0, 0.1), (0.0371, 1.0), (0.3, 0.4), (0.8, 0.45), (1.0, 0.0)])
@@ -82,30 +82,6 @@ def test_a_rounded_curve_is_as_blender_draws_it(drawn, kind):
     assert drawing.amplitude.at(2.0 * POINTS[:-1, 0]) == pytest.approx(POINTS[:-1, 1], abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    "shape",
-    ((0.05, 0.15, 0.6, 0.3), (0.0, 0.2, 0.5, 0.1), (0.1, 0.0, 0.3, 0.0), (1.0, 0.5, 0.25, 0.5)),
-)
-def test_attack_decay_sustain_release(drawn, shape):
-    attack, decay, sustain, release = shape
-    assert bpy.ops.haptic.shape_envelope(
-        attack=attack, decay=decay, sustain=sustain, release=release
-    ) == {"FINISHED"}
-    times = np.arange(1, 2 * RATE) / RATE
-    times = times[np.abs(times[:, None] - [attack, attack + decay]).min(axis=1) > 1e-6]
-    expected = Adsr(
-        attack, decay, sustain, release, hold=max(2.0 - attack - decay - release, 0.0)
-    ).at(times, 1 / RATE)
-    np.testing.assert_allclose(
-        read_drawing(drawn.drawing).amplitude.at(times), expected, rtol=0, atol=2e-6
-    )
-
-
-def test_an_envelope_that_takes_longer_makes_the_signal_longer(drawn):
-    bpy.ops.haptic.shape_envelope(attack=1.0, decay=1.0, sustain=0.5, release=1.0)
-    assert drawn.drawing.haptics.duration == 3.0
-
-
 def test_it_is_saved_with_the_file_and_copied_with_the_object(drawn, tmp_path):
     before = emitted()
     copy = bpy.data.objects["box"].copy()
@@ -134,7 +110,7 @@ def test_a_linked_signal_is_that_of_its_library(drawn, tmp_path, add_box):
     box.haptics.source.drawing = bpy.data.node_groups[name]
     assert np.array_equal(emitted(), before)
     bpy.context.view_layer.objects.active = box
-    assert not bpy.ops.haptic.shape_envelope.poll(), "it belongs to the library"
+    assert not bpy.ops.haptic.edit_emphasis.poll(), "it belongs to the library"
     assert bpy.ops.haptic.draw_signal.poll()
 
 

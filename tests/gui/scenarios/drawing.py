@@ -11,9 +11,8 @@ def steps(window):
     cube.haptics.source.frequency = 50.0
     cube.select_set(True)
     bpy.context.view_layer.objects.active = cube
-    drawings, library, sessions = (
-        window.module(name)
-        for name in ("addon.io.drawings", "addon.io.signal_library", "addon.session.sessions")
+    library, sessions = (
+        window.module(name) for name in ("addon.io.signal_library", "addon.session.sessions")
     )
     window.open_only("HAPTIC_PT_object_settings", "HAPTIC_PT_source")
     yield from window.show_sidebar()
@@ -50,10 +49,6 @@ def steps(window):
     bpy.ops.ed.undo_push(message="curve")
     yield from window.open_panel("haptics.source.enabled")
     yield from window.click_button("haptic.edit_emphasis")
-    yield from window.click_button("haptic.shape_envelope")
     yield 1.0
     yield from window.screenshot("shaped")
     window.seen["an emphasis"] = len(source().drawing.haptics.emphases) == 1
-    window.seen["attack, decay, sustain, release"] = (
-        len(drawings.points_of(source().drawing.nodes["Amplitude"].mapping)[0]) == 5
-    )
