@@ -15,23 +15,16 @@ from .colour_map import STEPS, AmplitudeScale, colour_table
 from .cues import Cue
 from .hud import FAINT_INK, INK, PLATE, SMALL_TEXT, TEXT_SIZE, Hud, HudBuilder, Rectangle, overlaps
 from .label_placement import place_labels, project, squares_around
-from .render_data import IMPACT_COLOUR, SOURCE_COLOUR, Lines, Place, RenderData, Size
+from .render_data import Lines, Place, RenderData, Size
 from .symbols import Symbol
 
 _PADDING = (6.0, 4.0)
 _GAP = 5.0  # points between a place's symbol and its label
 _MARGIN = 12.0  # points between the legend and the edges
-_SYMBOL_WIDTH, _NAME_GAP, _LEGEND_PADDING = 18.0, 10.0, 10.0  # points
-_LEGEND_HEIGHT, _BAR_HEIGHT, _BAR_BOTTOM = 82.0, 10.0, 24.0  # points
-_SMALL_WIDTH, _SMALL_HEIGHT = 120.0, 58.0  # points, of a legend without symbols
+_LEGEND_WIDTH, _LEGEND_HEIGHT, _LEGEND_PADDING = 120.0, 58.0, 10.0  # points
+_BAR_HEIGHT, _BAR_BOTTOM = 10.0, 24.0  # points
 _MOST_STEPS, _MOST_LABELS = 150, 32  # all body parts, and some sources
 LegendSide = Literal["LEFT", "RIGHT", "NONE"]
-NAMES = {
-    Symbol.SOURCE: "Source",
-    Symbol.IMPACT: "Impact",
-    Symbol.LISTENER: "Listener",
-    Symbol.CONTACT: "Contact",
-}
 
 
 def placed_annotations(
@@ -65,7 +58,7 @@ def placed_annotations(
     placed = builder.build()
     if legend != "NONE":
         taken = (*occupied, *placed.bounds, *(() if frame is None else (frame,)))
-        placed = placed.joined(_placed_legend(data, free, scale, taken, legend == "LEFT"))
+        placed = placed.joined(_placed_legend(data.scale, free, scale, taken, legend == "LEFT"))
     if not data.labels:
         return placed
     builder = HudBuilder(scale)
@@ -173,91 +166,42 @@ def _along_paths(lines: Lines) -> FloatArray:
 
 
 def _placed_legend(
-    data: RenderData,
+    amplitudes: AmplitudeScale,
     free: Rectangle,
     scale: float,
     occupied: Sequence[Rectangle],
     at_left: bool,
 ) -> Hud:
-    """The legend in its corner; a small one, or none, if there is not enough room.
+    """The legend in its corner; none if there is not enough room.
 
     Args:
-        data: The drawn frame, whose symbols and scale it explains.
+        amplitudes: The scale of the colours, which it explains.
         free: The part of the viewport that the user interface does not cover.
         scale: Pixels per point.
         occupied: Rectangles above which it stands.
         at_left: In the lower left corner, else in the right one.
     """
-    shapes = tuple(shape for shape in NAMES if (data.points.shape == shape).any())
-    names = tuple(ui_text(name) for name in NAMES.values())
     margin = _MARGIN * scale
-    for some in dict.fromkeys((shapes, ())):
-        legend = _legend(data.scale, ui_text("Amplitude"), some, names, scale)
-        ((_, _, width, height),) = legend.bounds
-        left = round(free[0] + margin if at_left else free[2] - margin - width)
-        bottoms = [free[1], *(top for _, _, _, top in occupied)]
-        for bottom in sorted(round(edge + margin) for edge in bottoms)[: 1 if some else None]:
-            place = left, bottom, left + width, bottom + height
-            inside = (
-                left >= free[0]
-                and place[2] <= free[2]
-                and place[3] <= (free[1] + free[3]) / 2 + height
-            )
-            if (
-                inside
-                and place[3] <= free[3]
-                and not any(overlaps(place, other) for other in occupied)
-            ):
-                return legend.moved(left, bottom)
+    legend = _legend(amplitudes, ui_text("Amplitude"), scale)
+    ((_, _, width, height),) = legend.bounds
+    left = round(free[0] + margin if at_left else free[2] - margin - width)
+    bottoms = [free[1], *(top for _, _, _, top in occupied)]
+    for bottom in sorted(round(edge + margin) for edge in bottoms):
+        place = left, bottom, left + width, bottom + height
+        highest = min(free[3], (free[1] + free[3]) / 2 + height)
+        inside = free[0] <= left and place[2] <= free[2] and place[3] <= highest
+        if inside and not any(overlaps(place, other) for other in occupied):
+            return legend.moved(left, bottom)
     return HudBuilder(scale).build()
 
 
-def _legend_width(builder: HudBuilder, names: Sequence[str]) -> float:
-    """Width with all symbols, so that the legend keeps its width when an impact
-    appears."""
-    beside = len(names) * _SYMBOL_WIDTH + (len(names) - 1) * _NAME_GAP + 2 * _LEGEND_PADDING
-    return sum(map(builder.width, names)) + beside
-
-
 @lru_cache(maxsize=16)
-def _legend(
-    amplitudes: AmplitudeScale,
-    title: str,
-    shapes: tuple[Symbol, ...],
-    names: tuple[str, ...],
-    scale: float,
-) -> Hud:
-    """The legend, its lower left corner at the origin.
-
-    Args:
-        amplitudes: The scale of the colours.
-        title: Over the colours.
-        shapes: Symbols that are explained; without any, the legend is small.
-        names: Of all symbols, which its width depends on.
-        scale: Pixels per point.
-    """
+def _legend(amplitudes: AmplitudeScale, title: str, scale: float) -> Hud:
+    """The legend with a ``title``, its lower left corner at the origin; ``scale``: pixels per
+    point."""
     builder = HudBuilder(scale)
-    width = _legend_width(builder, names) if shapes else _SMALL_WIDTH
-    height = _LEGEND_HEIGHT if shapes else _SMALL_HEIGHT
-    builder.panel((0, 0), (width, height), 6.0)
-    x = _LEGEND_PADDING
-    base = height - 20
-    for shape, name in zip(NAMES, names, strict=True):
-        if shape not in shapes:
-            continue
-        colour = {Symbol.SOURCE: SOURCE_COLOUR, Symbol.IMPACT: IMPACT_COLOUR}.get(
-            shape, colour_table()[STEPS * 3 // 5]
-        )
-        builder.symbol(
-            (x + _SYMBOL_WIDTH / 2 - 2, base + 4),
-            shape,
-            8.0 if shape == Symbol.CONTACT else 17.0,
-            colour,
-        )
-        builder.text(name, (x + _SYMBOL_WIDTH, base), INK)
-        x += _SYMBOL_WIDTH + _NAME_GAP + builder.width(name)
-    ticks = amplitudes.ticks() if shapes else amplitudes.ticks()[:1]
-    _add_colours(builder, amplitudes, title, width, ticks)
+    builder.panel((0, 0), (_LEGEND_WIDTH, _LEGEND_HEIGHT), 6.0)
+    _add_colours(builder, amplitudes, title, _LEGEND_WIDTH, amplitudes.ticks()[:1])
     return builder.build()
 
 
