@@ -12,11 +12,14 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import signal
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
+from difflib import get_close_matches
 from importlib import import_module
+from io import TextIOWrapper
 from types import FrameType
 from typing import Any, NoReturn, TextIO
 
@@ -62,6 +65,9 @@ class _OneLineParser(argparse.ArgumentParser):
         )
 
     def error(self, message: str) -> NoReturn:
+        wrong = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
+        near = get_close_matches(wrong[1], re.findall(r"[\w-]+", wrong[2])) if wrong else ()
+        message += f"; did you mean {near[0]}?" if near else ""
         self.exit(BAD_INPUT, f"{self.prog}: {one_line(message)} (see {self.prog} --help)\n")
 
 
@@ -150,6 +156,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the program on ``argv`` (the process' arguments by default) and return its exit code: 0,
     130 after Ctrl-C, or 2 for bad input, which is explained in one line on stderr."""
     standard_streams.keep_stdout_for_results()
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(encoding="utf-8")
     try:
         return _exit_code(argv)
     finally:

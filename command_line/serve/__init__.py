@@ -4,6 +4,7 @@ drives devices."""
 from __future__ import annotations
 
 import argparse
+import errno
 import secrets
 import signal
 import sys
@@ -53,6 +54,13 @@ def run(args: argparse.Namespace) -> NoReturn:
             answer(args, {"url": f"ws://{address}", "token": token})
             args.stdout.flush()
             serve_forever(server)
+    except OSError as error:
+        if error.errno != errno.EADDRINUSE:
+            raise
+        raise ValueError(
+            "the port is in use: end the program that listens there, or choose another port; "
+            "--listen HOST:0 takes a free one"
+        ) from None
     finally:
         if osc is not None:
             osc.close()

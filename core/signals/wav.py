@@ -1,5 +1,5 @@
-"""WAV files as signals (RIFF WAVE: PCM of 8 to 32 bits, IEEE float of 32 and 64, plain or
-WAVE_FORMAT_EXTENSIBLE)."""
+"""WAV files as signals (RIFF WAVE, RF64 and BW64: PCM of 8 to 32 bits, IEEE float of 32 and 64,
+plain or WAVE_FORMAT_EXTENSIBLE)."""
 
 from __future__ import annotations
 
@@ -18,8 +18,13 @@ from .interpolation import resample
 from .sampled import MAX_SAMPLES, Sampled
 
 MAX_BYTES = 1 << 30
+LOWEST_RATE, HIGHEST_RATE = 1000, 192_000
+"""Sample rates that are read [Hz]."""
 _PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
 _LONGEST_FORMAT = 256
+_REST_OF_GUID = bytes.fromhex("000000001000800000aa00389b71")
+_UNKNOWN = 0xFFFFFFFF
+"""Size of a chunk that is not known, or stands in the chunk ds64 of RF64 and BW64."""
 
 
 def read_wav(path: str | Path, sample_rate: float = 8000.0) -> Sampled:
@@ -56,9 +61,10 @@ class WavFile:
     def __init__(self, file: BinaryIO) -> None:
         self._file = file
         head = file.read(12)
-        if len(head) < 12 or head[:4] != b"RIFF" or head[8:12] != b"WAVE":
+        if head[:4] not in (b"RIFF", b"RF64", b"BW64") or head[8:12] != b"WAVE":
             raise ValueError("not a WAV file")
         form: bytes | None = None
+        long_size = 0
         while len(chunk := file.read(8)) == 8:
             name = chunk[:4]
             size = int.from_bytes(chunk[4:], "little")
@@ -66,11 +72,16 @@ class WavFile:
                 if form is None:
                     raise ValueError("broken WAV file: no format before the samples")
                 self._start = file.tell()
-                self._set_format(form, min(size, file.seek(0, io.SEEK_END) - self._start))
+                left = file.seek(0, io.SEEK_END) - self._start
+                size = long_size if size == _UNKNOWN else size
+                # Programs that write into a stream leave 0: the samples reach to the end.
+                self._set_format(form, min(size or left, left))
                 return
             end = file.tell() + size + size % 2
             if name == b"fmt ":
                 form = file.read(min(size, _LONGEST_FORMAT))
+            elif name == b"ds64":
+                long_size = int.from_bytes(file.read(16)[8:], "little")
             file.seek(end)
         raise ValueError("broken WAV file: no samples")
 
@@ -78,11 +89,15 @@ class WavFile:
         if len(form) < 16:
             raise ValueError("broken WAV file: format too short")
         tag, channels, rate, _, frame_size, _ = struct.unpack_from("<HHIIHH", form)
-        if tag == _EXTENSIBLE and len(form) >= 26:
+        if tag == _EXTENSIBLE and len(form) >= 40:
+            if form[26:40] != _REST_OF_GUID:
+                raise ValueError("WAV encoding of another vendor: use PCM or float")
             tag = int.from_bytes(form[24:26], "little")
-        if channels == 0 or frame_size % channels or not 1000 <= rate <= 192_000:
+        if channels == 0 or frame_size % channels:
+            raise ValueError(f"broken WAV file: {channels} channels of {frame_size} bytes")
+        if not LOWEST_RATE <= rate <= HIGHEST_RATE:
             raise ValueError(
-                f"broken WAV file: {channels} channels of {frame_size} bytes at {rate} Hz"
+                f"WAV file at {rate} Hz: only {LOWEST_RATE} to {HIGHEST_RATE} Hz are read"
             )
         self.channels = channels
         self.rate = float(rate)

@@ -6,6 +6,7 @@ import io
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -270,3 +271,35 @@ def test_the_example_in_the_manual_is_a_call(name):
     words = SUBCOMMANDS[name].example.partition(" <")[0].split()
     assert words[:2] == ["haptic-tracing", name]
     assert build_parser().parse_args(words[1:]).command == name
+
+
+def test_a_mistyped_command_gets_the_near_one(capsys):
+    assert main(["exprot"]) == 2 and "did you mean export?" in capsys.readouterr().err
+
+
+def test_stdout_is_utf_8_whatever_the_code_page(tmp_path):
+    place = {"object": "床", "position": [0, 0, 0]}
+    scene = {
+        "format": "haptic-scene",
+        "version": "1.1",
+        "objects": [{"name": "床", "kappa": 0.1, "rho": 0.9}],
+        "sources": [{"name": "source", **place}],
+        "listeners": [{"name": "手", **place}],
+    }
+    (tmp_path / "one.json").write_text(json.dumps(scene))
+    done = subprocess.run(
+        [sys.executable, "-m", "haptic_tracing", "propagate", str(tmp_path / "one.json")],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "cp1252", "PYTHONUTF8": "0"},
+    )
+    assert done.returncode == 0 and "手" in done.stdout.decode("utf-8")
+
+
+def test_a_port_in_use_says_what_to_do(capsys, tmp_path):
+    scene = {"format": "haptic-scene", "version": "1.1", "objects": []}
+    (tmp_path / "one.json").write_text(json.dumps(scene))
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+        code = main(["serve", str(tmp_path / "one.json"), "--listen", address])
+    err = capsys.readouterr().err
+    assert code == 2 and "port is in use" in err and "HOST:0" in err
