@@ -140,8 +140,9 @@ class Bodies:
     def flexibility(self, index: IntArray, away: FloatArray, normal: FloatArray) -> FloatArray:
         """Mobility (m, bands) [m/(N s)] with which objects ``index`` (m,) give way between their
         middles and points ``away`` (3, m) from these, across the ``normal`` (3, m)."""
-        along = (away * normal).sum(axis=0)
-        aside = np.maximum((away**2).sum(axis=0) - along**2, _LEAST**2)
+        (x, y, z), (a, b, c) = away, normal
+        aside = (y * c - z * b) ** 2 + (z * a - x * c) ** 2 + (x * b - y * a) ** 2
+        aside = np.maximum(aside, _LEAST**2)
         aside[np.isnan(aside)] = math.inf
         with np.errstate(divide="ignore"):
             found = np.asarray(aside[:, None] / self.bending.take(index, axis=0))

@@ -47,7 +47,8 @@ STILL_RATE = 30
 """Frame rate at which a scene without frames is traced."""
 
 POSE_DIGITS = 5
-"""Decimals of recorded poses. Gains do not depend on them, since contacts are recorded as well."""
+"""Decimals of recorded poses. Contacts are recorded as well: gains depend on poses only by how far
+these lie beside the middles of bodies."""
 PER_UNIT = 10**POSE_DIGITS
 
 
