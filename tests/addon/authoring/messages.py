@@ -12,7 +12,6 @@ from typing import Any, get_args
 import bpy
 import haptic_tracing
 from haptic_tracing.addon.scene_reader.digest import TEXTS as CHANGES
-from haptic_tracing.addon.view import annotations
 from haptic_tracing.core.scene import body_map
 
 ADDON = Path(haptic_tracing.__file__).parent / "addon"
@@ -47,7 +46,7 @@ _KEYWORDS = {"text", "heading"}
 def registered_texts() -> set[str]:
     """Labels, names and descriptions of the add-on's classes."""
     found = {text for cls in _classes() for text in _of_class(cls)}
-    found |= {*annotations.NAMES.values(), *CHANGES.values(), *get_args(body_map.View)}
+    found |= {*CHANGES.values(), *get_args(body_map.View)}
     return {text for text in found if _has_words(text)}
 
 
