@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
 from bpy.types import Collection, Depsgraph, Mesh, Object, Scene
 
 from ...core.frozen import frozen
+from ..blender.arrays import read_array
 
 
 @frozen(eq=False)
@@ -33,21 +35,25 @@ class Evaluation:
         objects: dict[int, Object] = {}
         edited: set[int] = set()
         joints = moved = False
-        for update in depsgraph.updates:
-            changed = update.id and update.id.original
-            if isinstance(changed, (Scene, Collection)):
-                names_all = False
-            elif isinstance(changed, Mesh) and update.is_updated_geometry:
-                edited.add(changed.session_uid)
-            elif isinstance(changed, Object):
+        updates = depsgraph.updates
+        kinds = ("is_updated_geometry", "is_updated_transform")
+        flags = (read_array(updates, kind, 1, np.bool_)[:, 0].tolist() for kind in kinds)
+        for update, is_reshaped, is_moved in zip(updates, *flags, strict=True):
+            evaluated = update.id
+            changed = evaluated and evaluated.original
+            if isinstance(changed, Object):
                 objects[changed.session_uid] = changed
                 if changed.rigid_body_constraint is not None:
-                    joints |= not update.is_updated_transform
+                    joints |= not is_moved
                     moved = True
-                if update.is_updated_geometry:
+                if is_reshaped:
                     edited |= _with_compounds(changed)
-                elif not update.is_updated_transform:  # animation may have hidden it
+                elif not is_moved:  # animation may have hidden it
                     names_all = False
+            elif isinstance(changed, Mesh) and is_reshaped:
+                edited.add(changed.session_uid)
+            elif isinstance(changed, (Scene, Collection)):
+                names_all = False
         joints |= moved and not names_all
         return cls(objects, frozenset(edited), joints, names_all)
 
