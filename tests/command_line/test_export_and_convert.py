@@ -59,6 +59,7 @@ def test_a_picture_beside_each_format_that_is_read_back(capsys, scene_file, tmp_
         "--seconds",
         "1",
         "--picture",
+        "--absolute",
     )
     code, out, err = run(capsys, *arguments)
     assert (code, err) == (0, "")
