@@ -95,7 +95,15 @@ def test_lost_onsets_are_in_the_text_the_json_and_the_picture(capsys, tmp_path):
     tracks = Tracks(listeners, 8000, np.stack([0.3 * np.sin(2 * np.pi * 60 * time), leg]))
     write_export(Export("bench", SCENE, tracks), tmp_path / "bench.json", tracks="inline")
     code, out, err = run(
-        capsys, "export", tmp_path / "bench.json", "--to", "wyvrn", "--out", tmp_path, "--picture"
+        capsys,
+        "export",
+        tmp_path / "bench.json",
+        "--to",
+        "wyvrn",
+        "--out",
+        tmp_path,
+        "--absolute",
+        "--picture",
     )
     assert (code, err) == (0, "")
     (printed,) = json.loads(out)["exports"]
