@@ -69,7 +69,7 @@ def exported(tmp_path_factory):
     for arguments in (
         ("sample", "hammer_nail", "--output", file),
         ("export", file, "--to", "gltf", "--out", folder, "--frames", frames),
-        ("export", file, "--out", folder, "--frames", frames, "--to", "wav"),
+        ("export", file, "--out", folder, "--frames", frames, "--to", "wav", "--absolute"),
     ):
         command = [sys.executable, "-m", "haptic_tracing", *map(str, arguments)]
         subprocess.run(command, check=True, capture_output=True, timeout=300)

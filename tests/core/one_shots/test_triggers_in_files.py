@@ -58,6 +58,7 @@ def test_the_command_line_plays_the_triggers_of_a_still_scene(tmp_path):
         main(
             [
                 "export",
+                "--absolute",
                 str(tmp_path / "bells.json"),
                 "--to",
                 "wav",
