@@ -8,7 +8,7 @@ import bmesh
 import bpy
 from mathutils import Matrix, Vector
 
-MOST = {"fresh-cube": 14, "source": 20, "listener": 26, "character": 24}
+MOST = {"fresh-cube": 13, "source": 20, "character": 24}
 
 _spec = importlib.util.spec_from_file_location(
     "recording_layout", Path(__file__).with_name("recording_layout.py")
