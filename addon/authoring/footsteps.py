@@ -61,15 +61,11 @@ def add_sole(foot: Object, skin: Object, collection: Collection) -> Object:
     return sole
 
 
-def add_rules(scene: Scene, armature: Object, skin: Object) -> None:
-    """Let the soles of a character strike with the energies of steps, and not its own ``skin``."""
-    for second in ("", skin.name):
-        rule = scene.haptics.impact_table.items.add()
-        rule.first_kind, rule.first = "OBJECT", f"{armature.name} sole.*"
-        if second:
-            rule.second_kind, rule.second, rule.gain = "OBJECT", second, (0.0, 0.0)
-        else:
-            rule.full_energy = _FULL_ENERGY
+def add_rule(scene: Scene, armature: Object) -> None:
+    """Let the soles of a character strike with the energies of steps."""
+    rule = scene.haptics.impact_table.items.add()
+    rule.first_kind, rule.first = "OBJECT", f"{armature.name} sole.*"
+    rule.full_energy = _FULL_ENERGY
 
 
 def ground_of(scene: Scene, armature: Object, feet: Sequence[Object]) -> list[Object]:

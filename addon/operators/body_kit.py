@@ -139,7 +139,7 @@ class HAPTIC_OT_add_footsteps(Edit):
             for sole in soles:
                 moved: Any = sole.rigid_body
                 moved.kinematic = True
-            footsteps.add_rules(scene, armature, skins[0])
+            footsteps.add_rule(scene, armature)
         scene.haptics.impacts = True
         ground = footsteps.ground_of(scene, armature, feet)
         make_haptic(scene, editable(ground))

@@ -4,6 +4,7 @@ parented to."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -98,6 +99,11 @@ def _striking(known: FloatArray, now: Reading, last: frozenset[str]) -> FloatArr
     return rows[meets.all(axis=2).sum(axis=1) > 1]  # each meets itself
 
 
+_EXACT = 1e-7
+"""Difference, relative to the largest value, up to which a polynomial is a curve: that of single
+precision."""
+
+
 class _Curves:
     """World matrices at ``frames`` (k,), each computed once; None of what something else than
     curves may move."""
@@ -163,13 +169,24 @@ class _Curves:
             for index in range(len(values)):
                 curve = self._curves_of(owner).get((path + name, index))
                 if curve is not None:
-                    rows[:, index] = [curve.evaluate(frame) for frame in self._frames.tolist()]
+                    rows[:, index] = self._evaluated(curve)
             return rows
 
         found = np.tile(np.eye(4), (len(self._frames), 1, 1))
         found[:, :3, :3] = _turns(item.rotation_mode, channel) * channel("scale")[:, None]
         found[:, :3, 3] = channel("location")
         return found
+
+    def _evaluated(self, curve: Any) -> FloatArray:
+        """Values (k,) of a curve: from the third on by the polynomial through some of them, if it
+        meets more of them than it has coefficients."""
+        frames = self._frames.tolist()
+        nodes, fit = _polynomial(len(frames) - 2)
+        some = np.array([curve.evaluate(frames[2 + node]) for node in nodes])
+        smooth = fit @ some
+        if np.abs(smooth[nodes] - some).max() > _EXACT * max(1.0, np.abs(some).max()):
+            return np.array([curve.evaluate(frame) for frame in frames])
+        return np.array([*map(curve.evaluate, frames[:2]), *smooth])
 
     def _curves_of(self, owner: Object) -> dict[tuple[str, int], Any]:
         """The F-curves of an object by path and index."""
@@ -180,6 +197,17 @@ class _Curves:
                 if not curve.mute
             }
         return self._values[owner.name_full]
+
+
+@cache
+def _polynomial(count: int) -> tuple[list[int], FloatArray]:
+    """Numbers of m samples among ``count`` even ones, denser towards the ends, and the matrix
+    (count, m) from values there to those at all samples, by least squares."""
+    nodes = np.unique(np.rint((1 - np.cos(np.linspace(0, np.pi, 13))) / 2 * (count - 1))).astype(
+        int
+    )
+    powers = np.polynomial.chebyshev.chebvander(np.linspace(-1, 1, count), 8)
+    return nodes.tolist(), powers @ np.linalg.pinv(powers[nodes])
 
 
 def _turns(mode: str, channel: Callable[[str], FloatArray]) -> FloatArray:

@@ -83,14 +83,25 @@ def read_contact_settings(scene: Scene, tables: Form) -> ContactSettings:
 
 
 def _passing(scene: Scene) -> set[tuple[str, str]]:
-    """Pairs of rigid bodies, by name, that a constraint with *Disable Collisions* joins. Blender
-    lets these pass through each other also where the constraint is not enabled, or broken."""
+    """Pairs of objects, by name, that strike nothing of each other: rigid bodies that a constraint
+    with *Disable Collisions* joins, which Blender lets pass through each other also where the
+    constraint is not enabled, or broken; and what a bone carries, as a boot, and the skin that the
+    bones move."""
     group = scene.rigidbody_world and scene.rigidbody_world.constraints
     joints = (obj.rigid_body_constraint for obj in group.all_objects) if group else ()
-    return {
+    joined = {
         (joint.object1.name_full, joint.object2.name_full)
         for joint in joints
         if joint and joint.disable_collisions and joint.object1 and joint.object2
+    }
+    carried = [obj for obj in scene.objects if obj.parent_type == "BONE" and obj.parent]
+    moving = {obj.parent for obj in carried}
+    skins = [(obj, obj.find_armature()) for obj in scene.objects if moving and obj.type == "MESH"]
+    return joined | {
+        (obj.name_full, skin.name_full)
+        for obj in carried
+        for skin, armature in skins
+        if armature == obj.parent and obj != skin
     }
 
 

@@ -60,8 +60,6 @@ class HitSearch:
         """Where and when those near pairs ``free``, by number, that meet on their paths do so."""
         table, near = self.table, self.near
         search = table.time_of_impact
-        bodies = near.larger[free], near.smaller[free]
-        free = free[search.may_hit(self.paths, *bodies, self.poses.last_extents)]
         is_mesh = table.narrow.is_mesh
         meshes = (is_mesh[near.larger[free]] | is_mesh[near.smaller[free]]).nonzero()[0]
         if len(meshes):  # their distances take long: use those of the last query
@@ -133,7 +131,7 @@ class HitSearch:
         those that land with it. ``last``: the values of all pairs in the last frame."""
         table = self.table
         rows = rows[~pairs.one_of(table.medium)[rows]]
-        rows = rows[self._swings(pairs.larger[rows], pairs.smaller[rows])]
+        rows = rows[self._swings(pairs, rows)]
         if len(rows) == 0:
             return Hits.none()
         bodies = pairs.bodies(rows)
@@ -174,16 +172,29 @@ class HitSearch:
         count = np.bincount(pair[with_it], minlength=len(first))
         return replace(fastest, centre=(centre / count).T)
 
-    def _swings(self, larger: IntArray, smaller: IntArray) -> BoolArray:
-        """Which pairs (k,) have moved against each other so fast that a part may land."""
-        turn, offset = self._before(larger, smaller)
-        now = relative_pose(self.poses.pose[:, larger], self.poses.pose[:, smaller])
-        change = now[0] - turn
-        turned_by = np.sqrt((change * change).sum(axis=(0, 1)) / 2)
-        way = now[1] - offset
-        reach = self.table.reach[smaller] + np.sqrt(dot(offset, offset))
-        least = SWUNG * min(self.paths.duration, self.paths.earlier_duration)
-        return np.asarray(np.sqrt(dot(way, way)) + reach * turned_by > least / 2)
+    def _swings(self, pairs: Candidates, rows: IntArray) -> BoolArray:
+        """Which of the pairs ``rows`` (k,) may have a part that swings down. The gap along the
+        normal between what is now in one place of both bodies was a linear function of the place:
+        its largest value within the bounds of both tells."""
+        bodies = pairs.bodies(rows).T
+        low, high = (way[:, bodies].min(axis=1) for way in self.poses.extents)
+        middle, half = (high - low) / 2, (high + low) / 2
+        now = self.poses.pose[:, bodies]
+        normal = turned(now[:9, 0].reshape(3, 3, -1), pairs.values[NORMAL, rows])
+        gaps, slopes = [], []
+        for poses in (self.paths.start, self.paths.earlier):
+            then = poses[:, bodies]
+            turns = [each[:9].reshape(3, 3, 2, -1) for each in (now, then)]
+            back = np.stack(
+                [turned(turns[0][:, :, k], turned_back(turns[1][:, :, k], normal)) for k in (0, 1)]
+            )
+            at = [dot(normal, then[9:, k]) + dot(back[k], middle - now[9:, k]) for k in (0, 1)]
+            gaps.append(at[1] - at[0])
+            slopes.append(back[1] - back[0])
+        start = gaps[0] + dot(np.abs(slopes[0]), half)
+        before = gaps[1] - gaps[0] + dot(np.abs(slopes[1] - slopes[0]), half)
+        speed = np.maximum(start / self.paths.duration, before / self.paths.earlier_duration)
+        return np.asarray((start > PRESSING_DISTANCE) & (speed > SWUNG))
 
     def _corners_before(
         self, bodies: IntArray, last: FloatArray, limit: FloatArray

@@ -120,22 +120,29 @@ class KnownHits:
             placing = relative_pose(self._posed(a, samples), self._posed(b, samples))
             return self._search.table.narrow.clearances(np.tile(pair, (len(samples), 1)), *placing)
 
+        reach, table = self._search.table.reach, self._search.table
+        moved = np.sum(
+            [
+                self._samples.travels(body, float(reach[body]))
+                for body in (a, b)
+                if body in self._samples.poses
+            ],
+            axis=0,
+        )
+        # Until the bodies may touch, or part, one distance tells.
+        found = np.full(count, measured(np.array([2]))[0])
+        farthest = table.tolerance(pair[:1], pair[1:], self._search.settings.tolerance)[0]
+        if not -moved[2:].sum() <= found[2] <= moved[2:].sum() + farthest:
+            return found
         found = np.full(count, np.inf)
         found[coarse] = measured(coarse)
-        reach = self._search.table.reach
-        moved = sum(
-            self._samples.travels(body, float(reach[body]))
-            for body in (a, b)
-            if body in self._samples.poses
-        )
-        near = [
-            sample
-            for begin in range(2, count - 1, _STRIDE)
-            if min(found[begin], found[begin + _STRIDE])
-            <= np.sum(np.asarray(moved)[begin : begin + _STRIDE])
-            for sample in range(begin - 2, begin + _STRIDE)
-            if np.isinf(found[sample])
-        ]
+        near = []
+        for begin in range(2, count - 1, _STRIDE):
+            ends, way = found[[begin, begin + _STRIDE]], moved[begin : begin + _STRIDE].sum()
+            if max(ends) < -way:
+                found[begin : begin + _STRIDE] = max(ends)
+            elif min(ends) <= way:
+                near += [k for k in range(begin - 2, begin + _STRIDE) if np.isinf(found[k])]
         if near:
             samples = np.unique(near)
             found[samples] = measured(samples)

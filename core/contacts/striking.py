@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray
+from ..arrays import BoolArray, FloatArray, IntArray
 from .body_table import BodyTable
 from .known_motion import Samples
 from .motion import MotionHistory, Paths
@@ -58,7 +58,7 @@ class Striking:
         airborne: BoolArray,
         samples: Samples | None,
     ) -> tuple[Paths, FloatArray] | None:
-        """The paths of the bodies, and upper bounds on their energies (n,) [J]; None if none is
+        """The paths of the bodies, and upper bounds on their speeds (n,) [m/s]; None if none is
         fast enough for an impact. ``airborne`` as in `MotionHistory.paths`; ``samples`` of known
         motion."""
         if self._none_strikes(table):
@@ -71,5 +71,20 @@ class Striking:
         speed = paths.fastest() + np.sqrt(dot(paths.spin, paths.spin)) * table.reach
         if samples is not None:
             speed[samples.bodies] = samples.speeds(table.reach)
-        energy = self._energies(table, speed)
-        return (paths, energy) if (energy >= self.least / 2).any() else None
+        return (paths, speed) if self.rapid(table, speed).any() else None
+
+    def rapid(self, table: BodyTable, speed: FloatArray) -> BoolArray:
+        """Which bodies (n,) with at most this ``speed`` (n,) may take part in an impact."""
+        return self._energies(table, speed) >= self.least / 2
+
+    def able(self, table: BodyTable, speed: FloatArray, a: IntArray, b: IntArray) -> BoolArray:
+        """Which pairs (p,) of bodies ``a`` and ``b`` with at most this ``speed`` (n,) may have the
+        energy for an impact."""
+        if self._effective:
+            mass = np.where(table.movable, table.mass, np.inf)
+            mass = np.minimum(mass[a], mass[b])
+            fast = (speed[a] + speed[b]) / self._settings.time_scale
+            energy = np.where(np.isfinite(mass), mass, 0.0) / 2 * fast**2
+        else:
+            energy = self._energies(table, speed)[a] + self._energies(table, speed)[b]
+        return np.asarray(energy >= self.least)

@@ -308,9 +308,8 @@ class ContactTracker:
         if fast is None:
             self._near.widen(table, self._history, poses.extents, moved)
             return None
-        paths, energy = fast
-        rapid = energy >= self._striking.least / 2
-        rows = rapid.nonzero()[0]
+        paths, speed = fast
+        rows = self._striking.rapid(table, speed).nonzero()[0]
         ahead = table.extents(rows, paths.poses(rows, paths.duration), self._grow)
         extents = poses.extents.copy()
         for other in (poses.last_extents[..., rows], ahead):
@@ -323,7 +322,10 @@ class ContactTracker:
         a, b = self._near.larger, self._near.smaller
         collide = (table.layers[a] & table.layers[b]) > 0
         collide &= ~among(self._near.key, table.passing)
-        able = collide & (rapid[a] | rapid[b]) & (energy[a] + energy[b] >= self._striking.least)
+        able = collide & self._striking.able(table, speed, a, b)
+        able &= self._near.met(extents) | table.time_of_impact.may_hit(
+            paths, a, b, poses.last_extents
+        )
         return HitSearch(self.settings, table, poses, self._near, paths, able.nonzero()[0])
 
     def _examine_last_frame(self, rows: IntArray) -> bool:
