@@ -207,7 +207,7 @@ def _polynomial(count: int) -> tuple[list[int], FloatArray]:
         int
     )
     powers = np.polynomial.chebyshev.chebvander(np.linspace(-1, 1, count), 8)
-    return nodes.tolist(), powers @ np.linalg.pinv(powers[nodes])
+    return nodes.tolist(), np.asarray(powers @ np.linalg.pinv(powers[nodes]), dtype=np.float64)
 
 
 def _turns(mode: str, channel: Callable[[str], FloatArray]) -> FloatArray:
