@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.shapes import Box
-from haptic_tracing.core.graph.haptic_graph import ObjectTable
+from haptic_tracing.core.graph.haptic_graph import ObjectTable, build_graph
 from haptic_tracing.core.graph.impedances import passed
 from haptic_tracing.core.graph.object_frames import ObjectFrames
 from haptic_tracing.core.scene.bands import BAND_CENTRES
@@ -310,3 +310,18 @@ def test_what_is_carried_comes_and_goes_smoothly(weight, aside):
     assert (
         abs(level(more, aside) - here) <= 20 * math.log10(more / max(weight, 1e-9)) + 1e-9
     ).all()
+
+
+def test_a_spring_that_stands_on_nothing_passes_nothing_on():
+    """As its contact with the wall has no weight; what is driven is silent and not undefined."""
+    spring = thing("a", Resilient(stiffness=2e5, loss_factor=0.3), (0.1, 0.1, 0.1))
+    table = ObjectTable.of([spring, thing("b", MASSES["heavy"]), thing("c", FLOOR)], 0.1)
+    ends = [(("a", "b"), 0.05, 1.0), (("a", "c"), -0.05, 0.0)]
+    contacts = [
+        Contact(pair, ((0.0, 0.0, z),) * 2, Impedance(), normal=(0.0, 0.0, 1.0), weight=weight)
+        for pair, z, weight in ends
+    ]
+    found = ContactSet.from_contacts(contacts, table.index())
+    graph = build_graph(table, found, (), (), ObjectFrames.of_objects(table.objects))
+    assert np.isfinite(graph.contact_band_gains).all()
+    assert np.exp(-graph.transmission_loss[0, 0]) < 1e-9
