@@ -50,12 +50,6 @@ class HitSearch:
         """The near pairs with the energy for an impact (k,), by key, ascending."""
         return self.near.key[self.able]
 
-    def one_of(self) -> BoolArray:
-        """Which bodies (n,) are in one of these pairs."""
-        found = np.zeros(len(self.table), dtype=np.bool_)
-        found[self.near.larger[self.able]] = found[self.near.smaller[self.able]] = True
-        return found
-
     def meetings(self, pairs: Candidates, free: IntArray) -> Meetings | None:
         """Where and when those near pairs ``free``, by number, that meet on their paths do so."""
         table, near = self.table, self.near

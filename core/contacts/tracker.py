@@ -376,7 +376,15 @@ class ContactTracker:
         )
         broad = perf_counter() - self._begun
         fresh = pairs.fresh(self._poses)
-        requested = self._requested(endpoints, striking, search)
+        exactly = Hits.none() if known is None else known.hits()
+        meetings = None
+        sounding = striking
+        if search is not None:
+            keys = np.zeros(0, dtype=np.int64) if known is None else known.keys
+            free = search.able[~among(search.keys, struck) & ~among(search.keys, keys)]
+            meetings = search.meetings(pairs, free)
+            sounding = striking | self._struck_by(search, exactly, meetings)
+        requested = self._requested(endpoints, sounding)
         examined = requested | fresh
         if endpoints is not None:
             examined |= pairs.one_of(striking)
@@ -393,15 +401,12 @@ class ContactTracker:
             self._query(rows, before, None, exact)
         else:
             last = pairs.values.copy()
-            exactly = np.zeros(0, dtype=np.int64) if known is None else known.keys
-            apart = ~among(search.keys, struck) & ~among(search.keys, exactly)
-            free = search.able[apart]
-            hits = self._query(rows, before, search.meetings(pairs, free), exact)
+            hits = self._query(rows, before, meetings, exact)
             if len(search.able):
                 hits = self._hits(search, hits, free, before, queried, last)
             if known is not None:
-                hits = known.hits().joined(known.landed(hits))
-                struck = struck[~among(struck, exactly)]
+                hits = exactly.joined(known.landed(hits))
+                struck = struck[~among(struck, keys)]
             impacts = self._recent.of(
                 hits,
                 self._history.times[-1] - search.paths.duration,
@@ -426,6 +431,16 @@ class ContactTracker:
             statistics=ContactStatistics(len(pairs.key), self._queries, broad),
             warnings=warnings,
         )
+
+    def _struck_by(self, search: HitSearch, exactly: Hits, meetings: Meetings | None) -> BoolArray:
+        """Which bodies (n,) may be struck in this interval: those that hit each other ``exactly``,
+        that meet on their paths, or that touch and may land."""
+        touching = search.keys[among(search.keys, self._pairs.key[self._pairs.touching])]
+        found = np.zeros(len(self._table), dtype=np.bool_)
+        found[exactly.pairs] = found[self._table.numbers(touching)] = True
+        if meetings is not None:
+            found[meetings.moving.pairs] = True
+        return found
 
     def _hits(
         self,
@@ -500,17 +515,13 @@ class ContactTracker:
         here = pairs.contacts(rows[changed], self._table, self._poses, self.settings.tolerance)
         return with_rows(self._last.contacts, changed, here)
 
-    def _requested(
-        self, endpoints: Endpoints | None, striking: BoolArray, search: HitSearch | None
-    ) -> BoolArray:
+    def _requested(self, endpoints: Endpoints | None, striking: BoolArray) -> BoolArray:
         """Which candidate pairs (p,) the caller wants: those in heaps that hold both a listener and
-        a source, or a body that may strike."""
+        a source, or a body that may strike (n,)."""
         pairs = self._pairs
         if endpoints is None:
             return np.ones(len(pairs.key), dtype=np.bool_)
         sounding = endpoints.sounding | striking
-        if search is not None:
-            sounding |= search.one_of()
         heaps = self._near.in_heaps_of
         wanted = (heaps(endpoints.heard) & heaps(sounding))[pairs.larger]
         if endpoints.paths:
