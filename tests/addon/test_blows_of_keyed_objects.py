@@ -71,6 +71,15 @@ def entries(height, begin, end, fps):
     return found
 
 
+def told(touches):
+    """Those that are blows: not within a tenth of a second after another, unless 2 dB faster."""
+    blows = []
+    for time, speed in touches:
+        if not blows or time - blows[-1][0] >= 0.1 or speed > 1.25 * blows[-1][1]:
+            blows.append((time, speed))
+    return blows
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "easing"), WAYS)
 def test_what_interpolation_sets_down(crate, scene, kind, easing):
@@ -82,7 +91,7 @@ def test_what_interpolation_sets_down(crate, scene, kind, easing):
     path = "location"
     curves = keyed(crate, path, begin, end, [(0, 0, 0.2 + HEIGHT), (0, 0, 0.2)], kind, easing)
     (curve,) = (curve for curve in curves if curve.array_index == 2)
-    touches = entries(lambda frame: curve.evaluate(frame) - 0.2, begin, end, fps)
+    touches = told(entries(lambda frame: curve.evaluate(frame) - 0.2, begin, end, fps))
     expected = [(time, MASS / 2 * speed**2) for time, speed in touches]
     found = [(blow.time, blow.energy) for blow in blows(scene, math.ceil(end) + 3)]
     strong = [blow for blow in expected if blow[1] > 5]
