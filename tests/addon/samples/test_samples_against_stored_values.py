@@ -19,6 +19,7 @@ import pytest
 from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.io.catalogue import named
+from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.sample_scenes import SAMPLES
 from scipy.io import wavfile
 
@@ -41,6 +42,14 @@ def test_every_sample_has_stored_values():
     assert set(STORED) == set(short_parts.PARTS) == set(SAMPLES)
 
 
+def left_out(scene, levels, expected):
+    """Which listeners are silent because all that arrives lies 20 dB under the threshold of feeling
+    the tones of a scene."""
+    sources = [obj.haptics.source for obj in scene.objects if obj.haptics.source.enabled]
+    highest = max((float(threshold_level(item.frequency)) for item in sources), default=-np.inf)
+    return (levels == 0) & (np.sqrt(2) * expected < 10 ** ((highest - 20) / 20))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SAMPLES)
 def test_gains_tracks_and_impacts_are_the_stored_ones(build, name):
@@ -52,10 +61,12 @@ def test_gains_tracks_and_impacts_are_the_stored_ones(build, name):
         impact[:3] for impact in stored["impacts"]
     )
     energies, expected = (
-        {tuple(impact[:3]): impact[3] for impact in values["impacts"]} for values in (found, stored)
+        [impact[3] for impact in sorted(values["impacts"])] for values in (found, stored)
     )
     assert energies == pytest.approx(expected, rel=ENERGY_TOLERANCE)
-    assert found["levels"] == pytest.approx(stored["levels"], rel=LEVEL_TOLERANCE)
+    levels, expected = np.array(found["levels"]), np.array(stored["levels"])
+    expected[left_out(scene, levels, expected)] = 0
+    assert levels == pytest.approx(expected, rel=LEVEL_TOLERANCE)
     assert found["gains"].keys() == stored["gains"].keys()
     for frame, rows in stored["gains"].items():
         # Impacts of one frame may come in another order, if they come at the same time.
@@ -89,12 +100,15 @@ def test_from_building_to_the_files_of_all_formats(build, tmp_path, name):
     for kind in {"wav", *list(catalogue.formats())[share::SHARES]} - {"scene"}:
         target = tmp_path / kind / f"{name}{named(kind).suffix}"
         target.parent.mkdir()
-        arguments = {"formats": {kind}, "frame_start": first, "frame_end": last}
+        arguments = {"formats": {kind}, "frame_start": first, "frame_end": last, "absolute": True}
         assert bpy.ops.export_scene.haptic_tracks(filepath=str(target), **arguments) == {"FINISHED"}
         files = [file for file in target.parent.rglob("*") if file.is_file()]
         assert files and all(file.stat().st_size for file in files)
-    _, samples = wavfile.read(tmp_path / "wav" / f"{name}.wav")
+    rate, samples = wavfile.read(tmp_path / "wav" / f"{name}.wav")
     assert samples.shape[1] == len(STORED[name]["listeners"])
-    levels = np.sqrt(((samples / 32768) ** 2).mean(axis=0))
+    until = round((last - first) / scene.render.fps * rate)  # the last frame goes on
+    levels = np.sqrt(((samples[:until] / 32768) ** 2).mean(axis=0))
+    expected = np.array(STORED[name]["levels"])
+    expected[left_out(scene, levels, expected)] = 0
     # 16 bits: steps of 3e-5, off by half of one at most.
-    assert levels == pytest.approx(STORED[name]["levels"], rel=LEVEL_TOLERANCE, abs=1.6e-5)
+    assert levels == pytest.approx(expected, rel=LEVEL_TOLERANCE, abs=1.6e-5)
