@@ -324,12 +324,8 @@ class MotionHistory:
             later - earlier
             for earlier, later in zip(self.times[-2::-1], self.times[:0:-1], strict=True)
         )
-        end = self._poses[-1]
-        start = self._poses[-2]
-        earlier = self._poses[-3]
-        now = end[9:]
-        last = start[9:]
-        before = earlier[9:]
+        earlier, start, end = self._poses[-3:]
+        before, last, now = earlier[9:], start[9:], end[9:]
         if step >= HITCH:
             return self._straight(step, known)
         weight = float(np.linalg.norm(gravity))
