@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 
+from ...core.arrays import FloatArray
 from ...core.contacts.body_sizes import Size, walled
 from ..blender.arrays import read_array
 from ..blender.units import metres_per_unit
@@ -21,19 +22,30 @@ class Sizes:
 
     def of(self, obj: Object) -> Size:
         """The size of a body, see `walled`."""
-        mesh = obj.evaluated_get(self._depsgraph).data
+        evaluated = obj.evaluated_get(self._depsgraph)
+        scale = _scale(obj) * self._metres
+        mesh = evaluated.data
         if not isinstance(mesh, Mesh) or len(mesh.polygons) == 0:
-            return self._in_metres(obj, None)
-        key = mesh.as_pointer(), *obj.scale, *obj.dimensions
+            x, y, z = (np.ptp(evaluated.bound_box, axis=0) * scale).tolist()
+            return Size.of_box((x, y, z))
+        key = mesh.as_pointer(), *scale.tolist()
         if key not in self._known:
-            self._known[key] = self._in_metres(obj, mesh)
+            self._known[key] = _size_of_mesh(mesh, scale)
         return self._known[key]
 
-    def _in_metres(self, obj: Object, mesh: Mesh | None) -> Size:
-        x, y, z = (length * self._metres for length in obj.dimensions)
-        if mesh is None:
-            return Size.of_box((x, y, z))
-        corners = read_array(mesh.vertices, "co", 3).astype(np.float64)
-        mesh.calc_loop_triangles()
-        triangles = read_array(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
-        return walled((x, y, z), corners * np.abs(obj.scale) * self._metres, triangles)
+
+def _scale(obj: Object) -> FloatArray:
+    """The scale (3,) of an object by its properties and its parent's matrix: a script may have set
+    them since the last evaluation, in which its dimensions are older."""
+    basis = obj.matrix_basis
+    if obj.parent is not None:
+        basis = obj.parent.matrix_world @ obj.matrix_parent_inverse @ basis
+    return np.abs(basis.to_scale())
+
+
+def _size_of_mesh(mesh: Mesh, scale: FloatArray) -> Size:
+    corners = read_array(mesh.vertices, "co", 3).astype(np.float64) * scale
+    mesh.calc_loop_triangles()
+    triangles = read_array(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
+    x, y, z = np.ptp(corners, axis=0).tolist()
+    return walled((x, y, z), corners, triangles)
