@@ -92,7 +92,7 @@ import numpy as np
 def seen():
     properties = bpy.ops.export_scene.haptic_tracks.get_rna_type().properties
     return {
-        "formats": [item.identifier for item in properties["format"].enum_items],
+        "formats": [item.identifier for item in properties["formats"].enum_items],
         "panels": [name for name in ("GOOD", "HALF") if hasattr(bpy.types, f"{name}_PT_panel")],
         "scene": [name for name in ("GOOD", "HALF") if hasattr(bpy.types.Scene, name)],
     }

@@ -138,7 +138,7 @@ def _recording(scene):
 
 
 def _settings_keyed(scene):
-    scene.haptics.keyframe_insert("threshold", frame=3)
+    scene.haptics.keyframe_insert("minimum_energy", frame=3)
 
 
 def write_wav(path, samples):
@@ -328,7 +328,7 @@ def test_other_gains_are_noticed_whatever_their_cause(baked, settle):
         (_parent, "'foot': its parent, constraints or modifiers changed"),
         (_add, "'other' was added"),
         (_remove, "'hand' was removed"),
-        (_least_energy, "threshold was 0.001, is 0.01"),
+        (_least_energy, "minimum energy was 0.0, is 0.01"),
         (_rate, "the frame rate changed"),
         (_gravity, "gravity changed"),
         (_range, "frames 1 to 99 are played, 1 to 24 were baked"),
