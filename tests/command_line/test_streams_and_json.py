@@ -226,7 +226,9 @@ def test_blenders_own_lines_are_not_in_the_result(command, tmp_path, capsys):
         "export", tmp_path / "hammer.blend", "--frames", "1:10", "--out", tmp_path
     )
     assert code == 0, err
-    assert all(line.startswith((b"wrote ", b"replaced ", b"not in ")) for line in out.splitlines()), out
+    assert all(
+        line.startswith((b"wrote ", b"replaced ", b"not in ")) for line in out.splitlines()
+    ), out
     capsys.readouterr()
     command("export", tmp_path / "hammer.blend", "--frames", "1:10", "--json", "--out", tmp_path)
     (export,) = json.loads(capsys.readouterr().out)["exports"]
