@@ -135,7 +135,7 @@ class Rubbing:
     ) -> tuple[Source, ...]:
         """The sources of a ``frame`` with the contacts ``found`` in it; ``since``: time of the
         frame before [s], None without one."""
-        if not settings.textures.rows:
+        if not settings.textures.rows or not frame.bodies:  # whose contacts are given
             self.clear()
             return ()
         before, self._before = self._before, frame
