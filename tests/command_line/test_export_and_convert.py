@@ -189,7 +189,7 @@ def test_export_to_all_formats(capsys, scene_file, tmp_path):
             set(entry) == {"name", "lost", "level", "missing", "invented"} for entry in listeners
         )
     assert set(printed["listeners"]) == set(catalogue.formats()) - {"scene"}
-    endings = ".json .wav .hjif .haps .config .haptic .acf .ahap .tact .html"
+    endings = ".json .wav .hjif .haps .config .haptic .acf .ahap .tact .html .waveform .parametric"
     assert {path.suffix for path in files} == set(endings.split())
     channels = registry.read(tmp_path / "out" / "bench.wav").channels
     assert [channel.name for channel in channels] == ["seat", "back"] and channels[
