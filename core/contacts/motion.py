@@ -338,11 +338,14 @@ class MotionHistory:
         # Dynamic: constant acceleration, measured where no hit falsifies it.
         bend = np.where(airborne, gravity[:, None], 0.0)
         if older:
-            measured = 2 * (chord - (before - self._poses[-4][9:]) / older[0]) / (known + older[0])
+            first = (before - self._poses[-4][9:]) / older[0]
+            measured = 2 * (chord - first) / (known + older[0])
+            brakes = (self._since_hit > 2) & (dot(measured, chord) < 0) & (dot(first, chord) > 0)
+            clean = np.where(brakes, 2, clean)  # what brakes it goes on to do so
             plausible = (
                 (clean >= 2)
                 & (self._since_onset > 2)
-                & (_squared(measured) <= (_PLAUSIBLE * weight) ** 2)
+                & (brakes | (_squared(measured) <= (_PLAUSIBLE * weight) ** 2))
             )
             bend = np.where(plausible, measured, bend)
             # The spin in the middle of the path, by its change over the last two intervals.
@@ -374,10 +377,11 @@ class MotionHistory:
         moving = self.moving()
         turning = spins(start, end, step)
         if older:
-            first = (before - self._poses[-4][9:]) / older[0]
             moving &= ~(kinematic & _jumps(first, chord, direct))
             rows = (smooth & moving).nonzero()[0]
             smooth[rows] = ~self._stopped(rows)
+            # Of the interval in which it began to move no speed is known, before which it stopped.
+            smooth |= kinematic & (self._since_onset > 0) & (self._since_onset <= 2)
             rests = kinematic & _comes_to_rest(first, chord, direct)
             curved = np.where(rests, -2 * direct / step, curved)
             rests_turning = kinematic & _comes_to_rest(

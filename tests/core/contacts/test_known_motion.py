@@ -39,11 +39,11 @@ WAYS = {  # the way down by time, both up to 1, and where it touches with which 
 }
 
 
-def blows(way, rate, begin, known=True):
-    """Of a box that goes down to the floor from ``begin`` [s] on."""
+def blows(way, rate, begin, known=True, motion="kinematic", last=LAST):
+    """Of a box that goes down to the floor from ``begin`` [s] on, within ``last`` seconds."""
 
     def pose(time):
-        u = (time - begin) / LAST
+        u = (time - begin) / last
         matrix = np.eye(4)
         matrix[2, 3] = np.float32(
             0.2 + HEIGHT * (1 - (0.0 if u <= 0 else 1.0 if u >= 1 else way(u)))
@@ -51,18 +51,18 @@ def blows(way, rate, begin, known=True):
         return matrix
 
     floor = Body("floor", Box((20, 20, 1)), motion="static")
-    box = Body("box", Box((0.4, 0.4, 0.4)), MASS, motion="kinematic")
+    box = Body("box", Box((0.4, 0.4, 0.4)), MASS, motion=motion)
     tracker = ContactTracker([floor, box], ContactSettings(refractory=0.0))
     (ground,) = np.eye(4)[None].copy()
     ground[2, 3] = -0.5
     count = 8 * math.ceil(1 / rate / 0.0007 / 8)
     step = 1 / rate / count
     found = []
-    for frame in range(math.ceil((begin + LAST) * rate) + 4):
+    for frame in range(math.ceil((begin + last) * rate) + 4):
         time = frame / rate
         samples = [pose(time - 1 / rate + (k - 2) * step) for k in range(count + 3)]
-        motion = KnownMotion(step, {"box": np.array(samples)}) if known and frame else None
-        found += tracker.update(time, np.array([ground, pose(time)]), motion=motion).impacts
+        curve = KnownMotion(step, {"box": np.array(samples)}) if known and frame else None
+        found += tracker.update(time, np.array([ground, pose(time)]), motion=curve).impacts
     return found
 
 
@@ -81,12 +81,13 @@ def test_blows_come_where_and_as_fast_as_the_motion_touches(name, rate):
             assert blow.energy == pytest.approx(truth, rel=0.02)
 
 
-@pytest.mark.parametrize("name", ["smooth step", "sine out", "cubic out", "a jump"])
+@pytest.mark.parametrize("name", ["smooth step", "sine out", "cubic out", "quintic out", "a jump"])
 @pytest.mark.parametrize("rate", [24, 25, 30, 60])
-def test_what_brakes_to_rest_strikes_nothing_where_no_curve_is_known(name, rate):
+@pytest.mark.parametrize(("motion", "last"), [("kinematic", LAST), ("dynamic", 1.0)])
+def test_what_brakes_to_rest_strikes_nothing_where_no_curve_is_known(name, rate, motion, last):
     """Three poses tell that it comes to rest."""
     for phase in range(8):
-        found = blows(WAYS[name][0], rate, (10 + phase / 8) / rate, known=False)
+        found = blows(WAYS[name][0], rate, (10 + phase / 8) / rate, False, motion, last)
         assert all(blow.energy <= 0.5 for blow in found)
 
 
