@@ -281,7 +281,9 @@ class HAPTIC_OT_export_tracks(RangeExport, Action):
 
     def draw(self, context: Context) -> None:
         layout = self.options_layout()
-        layout.column(align=True).props_enum(self, "formats")
+        column = layout.column(align=True)
+        column.use_property_split = False
+        column.props_enum(self, "formats")
         layout.prop(self, "absolute")
         self.draw_range(layout)
         export = capture.expected(context.scene, True, self.collection)

@@ -3,8 +3,11 @@ feels something, and the cause; and the way to it, row by row."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from bpy.types import Context, Scene, UILayout
 
+from ...core.frozen import frozen
 from ...core.message import Cause, Chain, written
 from ..bake import playback, storage
 from ..blender.time import is_playing
@@ -15,59 +18,76 @@ from ..translations.sentences import sentence
 from ..view import doubtful_scale, explanation, levels, paths, watched
 from .cures import draw_cure, draw_remedy
 from .drawing import draw_problems, select_button
-from .hints import Hint, next_step, of_units, striking_nothing
+from .hints import next_step, of_units, striking_nothing
 from .quick_start import HAPTIC_PT_quick_start
 from .texts import draw_lines, draw_sentence, fitted, source_title
 
 _CAUSE_LINES = 2
 _WHY_LINES = 14
-_OBJECTS, _NAMES, _NOTICE = 0.48, 0.5, 0.62  # of the width
+_OBJECTS, _NAMES = 0.48, 0.5  # of the width
 _MUCH = 5.0  # milliseconds a frame of reading instances that are worth a notice
 
 
+@frozen
+class _Cause:
+    """Why a listener feels what it feels, or the next step, in ``lines``; ``draw`` draws the button
+    of its remedy."""
+
+    lines: tuple[str, ...] = ()
+    icon: str = "INFO"
+    draw: Callable[[UILayout], object] | None = None
+
+
 def draw_answer(layout: UILayout, context: Context) -> None:
-    """Draw verdict and cause, or the next step unless the quick start shows it, and one row for a
-    remedy or a notice."""
-    scene = context.scene
-    level = _watched_level(scene)
-    problems = sessions.shown_problems(scene)
-    hint = next_step(scene) if level is None else None
-    if (
-        hint is not None
-        and hint.is_in_quick_start
-        and not problems
-        and HAPTIC_PT_quick_start.poll(context)
-    ):
-        _draw_notice(layout.row(align=True), scene)
+    """Draw verdict and cause, or the next step unless the quick start shows it."""
+    level = _watched_level(context.scene)
+    cause = _cause(context, level)
+    if level is None and not cause.lines:
         return
     column = layout.box().column(align=True)
-    lines, reasons = _CAUSE_LINES, explanation.Explanation()
     if level is not None:
         _draw_verdict(column, level)
-        if level.is_silent:
-            reasons = explanation.why_silent(scene, level.listener)
+    most = _CAUSE_LINES + (level is None)
+    used = len(cause.lines)
+    if used == 1:
+        used = draw_lines(column, cause.lines[0], cause.icon, most)
     else:
-        lines += 1
-    words = "" if hint is None else hint.words
+        for line in cause.lines:
+            show(column, line, "BLANK1")
+    _pad(column, most - used)
+
+
+def draw_remedy_of_cause(layout: UILayout, context: Context) -> None:
+    """Draw the button that removes the cause, or takes the next step, if there is one."""
+    cause = _cause(context, _watched_level(context.scene))
+    if cause.draw is not None:
+        cause.draw(layout)
+
+
+def _cause(context: Context, level: levels.Level | None) -> _Cause:
+    """What the user should know first."""
+    scene = context.scene
+    problems = sessions.shown_problems(scene)
     if problems:
-        words = problems[0].message
-    elif level is not None:
-        words = _first_words(scene, reasons) if level.is_silent else _origin(scene, level)
-    is_fine = level is not None and level.is_felt and not problems
-    icon = "ERROR" if problems else "BLANK1" if is_fine else "INFO"
-    used = draw_lines(column, words, icon, lines) if words else 0
-    _pad(column, lines - used)
-    row = column.row(align=True)
-    if not (
-        (problems and draw_remedy(row, context, problems[0]))
-        or _draw_urgent(row, scene, level is not None)
-        or _draw_cure(row, context, level, hint, reasons)
-        or _draw_notice(row, scene)
-    ):
-        _pad(row)
+        return _Cause(
+            (problems[0].message,), "ERROR", lambda row: draw_remedy(row, context, problems[0])
+        )
+    found = _urgent(scene, level is not None) or _next_step(context, level) or _notice(scene)
+    if found is not None or level is None:
+        return found or _Cause()
+    if level.is_silent:
+        return _silence(context, level.listener)
+    lines = _origin(scene, level)
+    if level.is_felt:
+        return _Cause(lines, "BLANK1")
+
+    def make_felt(row: UILayout) -> None:
+        row.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
+
+    return _Cause(lines, "INFO", make_felt)
 
 
-def _pad(layout: UILayout, count: int = 1) -> None:
+def _pad(layout: UILayout, count: int) -> None:
     """Draw empty lines, such that what is below keeps its place."""
     for _ in range(count):
         layout.label(text="")
@@ -78,17 +98,32 @@ def _watched_level(scene: Scene) -> levels.Level | None:
     return next((level for level in watched.levels_of(scene) if level.listener == name), None)
 
 
-def _lacks_source(why: explanation.Explanation) -> bool:
-    return why.is_current and any(reason.cause is Cause.NO_SOURCE for reason in why.reasons)
+def _next_step(context: Context, level: levels.Level | None) -> _Cause | None:
+    """The next step, unless there is a listener or the quick start shows it."""
+    hint = next_step(context.scene) if level is None else None
+    if hint is None or (hint.is_in_quick_start and HAPTIC_PT_quick_start.poll(context)):
+        return None
+    return _Cause((hint.words,), "INFO", hint.draw)
 
 
-def _first_words(scene: Scene, why: explanation.Explanation) -> str:
+def _silence(context: Context, listener: str) -> _Cause:
     """The first reason for silence."""
+    why = explanation.why_silent(context.scene, listener)
     if not why.is_current:
-        return ui_text("Looking for reasons...")
-    if _lacks_source(why) and (walker := striking_nothing(scene)) is not None:
-        return walker[1]
-    return sentence(why.reasons[0]) if why.reasons else why.notice
+        return _Cause((ui_text("Looking for reasons..."),))
+    if not why.reasons:
+        return _Cause((why.notice,))
+    reason = why.reasons[0]
+    lacks_source = any(reason.cause is Cause.NO_SOURCE for reason in why.reasons)
+    walker = striking_nothing(context.scene) if lacks_source else None
+    if walker is None:
+        return _Cause((sentence(reason),), "INFO", lambda row: draw_cure(row, context, reason))
+    armature, words = walker
+
+    def add_footsteps(row: UILayout) -> None:
+        row.operator("haptic.add_footsteps", icon="MOD_DYNAMICPAINT").armature = armature
+
+    return _Cause((words,), "INFO", add_footsteps)
 
 
 def _draw_verdict(layout: UILayout, level: levels.Level) -> None:
@@ -102,79 +137,51 @@ def _draw_verdict(layout: UILayout, level: levels.Level) -> None:
     show(split, level.verdict())
 
 
-def _origin(scene: Scene, level: levels.Level) -> str:
-    """The strongest source and the objects on its path, "" while they are not known."""
+def _origin(scene: Scene, level: levels.Level) -> tuple[str, ...]:
+    """The strongest source and the objects on its path, () while they are not known."""
     path = paths.path_of(scene)
     if path is None or path.value is None or path.value.fall.listener != level.listener:
-        return ""
+        return ()
     fall = path.value.fall
-    if not fall.hops:
-        return ui_text("From {}", fall.source.name)
-    chain = written(Chain(hop.object for hop in fall.hops))
-    return ui_text("From {} through {}", fall.source.name, chain)
+    origin = ui_text("From {}", source_title(fall.source, 0.7))
+    hops = [hop.object for hop in fall.hops if hop.object != fall.source.name]
+    return (origin, ui_text("through {}", written(Chain(hops)))) if hops else (origin,)
 
 
-def _draw_cure(
-    row: UILayout,
-    context: Context,
-    level: levels.Level | None,
-    hint: Hint | None,
-    why: explanation.Explanation,
-) -> bool:
-    """Draw the button of the next step or of what makes the listener feel something. Returns False
-    if there is none."""
-    if hint is not None:
-        for operator, icon in hint.operators:
-            row.operator(operator, icon=icon)
-        return bool(hint.operators)
-    if level is not None and not level.is_silent and not level.is_felt:
-        row.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
-        return True
-    if _lacks_source(why) and (walker := striking_nothing(context.scene)) is not None:
-        row.operator("haptic.add_footsteps", icon="MOD_DYNAMICPAINT").armature = walker[0]
-        return True
-    return bool(why.is_current and why.reasons) and draw_cure(row, context, why.reasons[0])
-
-
-def _draw_urgent(row: UILayout, scene: Scene, is_answered: bool) -> bool:
-    """Draw why the answer is not that of the scene, with its button. Returns False if it is."""
+def _urgent(scene: Scene, is_answered: bool) -> _Cause | None:
+    """Why the answer is not that of the scene, None if it is."""
     seconds = sessions.seconds_behind(scene)
     if is_answered and not scene.haptics.tracing:
-        row.label(text="Tracing is switched off", icon="ERROR")
-        row.operator("haptic.toggle_tracing", text="", icon="HIDE_OFF")
+        words, icon, operator = ui_text("Tracing is switched off"), "ERROR", "haptic.toggle_tracing"
     elif seconds >= 1 and not is_playing():
-        show(row, ui_text("Tracing for {:.0f} s...", seconds), "SORTTIME")
-        row.operator("haptic.cancel_tracing", text="", icon="X")
+        words, icon = ui_text("Tracing for {:.0f} s...", seconds), "SORTTIME"
+        operator = "haptic.cancel_tracing"
     elif storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
-        split = row.split(factor=_NOTICE, align=True)
-        split.label(text="Baked, out of date", icon="ERROR")
-        split.operator("haptic.bake", text="Bake Again")
+        words, icon, operator = ui_text("Baked, out of date"), "ERROR", "haptic.bake"
     else:
-        return False
-    return True
+        return None
+    return _Cause((words,), icon, lambda row: row.operator(operator))
 
 
-def _draw_notice(row: UILayout, scene: Scene) -> bool:
-    """Draw the first of what the user should know, with its button. Returns False if there is
-    nothing."""
+def _notice(scene: Scene) -> _Cause | None:
+    """The first of what the user should know, None if there is nothing."""
     if handlers.is_new():
-        row.label(text="Heard, too: see the speaker below", icon="SPEAKER")
-    elif (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
+        return _Cause((ui_text("Heard, too: see the speaker below"),), "SPEAKER")
+    if (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
         words = ui_text("{:,} instances move: {:.0f} ms a frame", *moving)
-        show(row, words, "INFO")
-        row.operator("haptic.realize_instances", text="", icon="OUTLINER_OB_GROUP_INSTANCE")
-    elif (units := of_units(scene)) is not None:
-        show(row, units.words, "INFO")
-        for operator, icon in units.operators:
-            row.operator(operator, text="", icon=icon)
-    elif (doubt := doubtful_scale.doubt(scene)) is not None:
+        return _Cause((words,), "INFO", lambda row: row.operator("haptic.realize_instances"))
+    if (units := of_units(scene)) is not None:
+        return _Cause((units.words,), "INFO", units.draw)
+    if (doubt := doubtful_scale.doubt(scene)) is not None:
         word, size = doubt
         words = ui_text("'{}' of {:.0f} m") if word else ui_text("{1:,} objects, no contact")
-        show(row, words.format(word, size), "QUESTION")
-        row.prop(scene.unit_settings, "scale_length")
-    else:
-        return False
-    return True
+        unit_settings = scene.unit_settings
+        return _Cause(
+            (words.format(word, size),),
+            "QUESTION",
+            lambda row: row.prop(unit_settings, "scale_length"),
+        )
+    return None
 
 
 def _moving_instances(scene: Scene) -> tuple[int, float] | None:

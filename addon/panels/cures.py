@@ -15,12 +15,8 @@ if TYPE_CHECKING:
     from ..properties.source import HapticSourceProperties
     from ..scene_reader.problem import Problem
 
-_COMPLETE = {
-    Cause.MUTED,
-    Cause.ZERO_AMPLITUDE,
-    Cause.LISTENER_GAIN,
-    Cause.NO_SOURCE,
-}
+
+_DIRECT = {Cause.MUTED, Cause.ZERO_AMPLITUDE, Cause.NOT_FELT, Cause.LISTENER_GAIN, Cause.NO_SOURCE}
 """Causes whose remedy needs no selection of an object."""
 
 
@@ -44,12 +40,17 @@ def draw_cure(layout: UILayout, context: Context, reason: Message) -> bool:
             layout.prop(obj.haptics.source, "amplitude")
         case Cause.LISTENER_GAIN if obj is not None:
             layout.prop(obj.haptics.listener, "gain")
-        case _ if not reason.object or reason.cause in _COMPLETE:
+        case _ if not reason.object:
             return False
-    if reason.object and reason.cause not in _COMPLETE:
-        name = fitted(reason.object, 0.5, icon=True, button=True)
-        select_button(layout, reason.object, name, icon="RESTRICT_SELECT_OFF")
+    if reason.object and reason.cause not in _DIRECT:
+        _draw_selection(layout, reason.object)
     return True
+
+
+def _draw_selection(layout: UILayout, name: str) -> None:
+    """Draw the button that selects an object."""
+    title = fitted(name, 0.5, icon=True, button=True)
+    select_button(layout, name, title, icon="RESTRICT_SELECT_OFF")
 
 
 def draw_remedy(layout: UILayout, context: Context, problem: Problem) -> bool:
@@ -59,8 +60,7 @@ def draw_remedy(layout: UILayout, context: Context, problem: Problem) -> bool:
     if problem.rule == ("signal", 0) and obj is not None and obj == context.object:
         draw_file(layout, obj.haptics.source)
     elif problem.object:
-        name = fitted(problem.object, icon=True, button=True)
-        select_button(layout, problem.object, name, icon="RESTRICT_SELECT_OFF")
+        _draw_selection(layout, problem.object)
     return bool(problem.object)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from bpy.types import Scene
+from bpy.types import Scene, UILayout
 
 from ...core.frozen import frozen
 from ..authoring import body_kit
@@ -24,6 +24,11 @@ class Hint:
     words: str
     operators: tuple[tuple[str, str], ...] = ()
     is_in_quick_start: bool = False
+
+    def draw(self, layout: UILayout) -> None:
+        """Draw the buttons."""
+        for operator, icon in self.operators:
+            layout.operator(operator, icon=icon)
 
 
 def next_step(scene: Scene) -> Hint | None:

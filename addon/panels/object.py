@@ -280,7 +280,7 @@ class HAPTIC_PT_gain(ObjectPanel):
         )
         layout.template_icon(icon_value=icon, scale=7.0)
         row = layout.row()
-        show(row, f"0 {curve.unit}, 0 to -60 dB")
+        show(row, f"0 {curve.unit}, 0 \N{HORIZONTAL ELLIPSIS} \N{MINUS SIGN}60 dB")
         side = row.row()
         side.alignment = "RIGHT"
         side.label(text=f"{curve.length:g} {curve.unit}")

@@ -8,6 +8,7 @@ from bpy.types import Context, UILayout
 
 from ..authoring import body_kit
 from ..blender.words import show
+from ..view import watched
 from .drawing import SidebarPanel, draw_each
 from .object import draw_override, draw_transmission
 from .source import draw_signal
@@ -52,8 +53,12 @@ class HAPTIC_PT_roles(SidebarPanel):
         ):
             draw_each(layout.column(align=True), haptics.listener, "body_part", "gain")
         armature = body_kit.armature_of(obj)
-        body = armature or obj
-        if not body_kit.listeners_on(body) and not haptics.listener.enabled:
+        has_body = (
+            any(level.body_part for level in watched.levels_of(context.scene))
+            if armature is None
+            else body_kit.listeners_on(armature)
+        )
+        if not has_body and not haptics.listener.enabled:
             layout.operator("haptic.add_default_listeners", icon="OUTLINER_OB_ARMATURE")
         if armature is not None:
             layout.operator("haptic.add_footsteps", icon="MOD_DYNAMICPAINT")

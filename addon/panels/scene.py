@@ -7,7 +7,7 @@ from bpy.types import Context
 from ..gateway import is_loaded
 from ..live_output import handlers, preview
 from ..view import watched
-from .answer import draw_answer, draw_why
+from .answer import draw_answer, draw_remedy_of_cause, draw_why
 from .drawing import SidebarPanel
 
 
@@ -38,6 +38,9 @@ class HAPTIC_PT_why(SidebarPanel):
     bl_label = "Why"
     bl_ui_units_x = 14
     bl_options = {"DEFAULT_CLOSED"}
+
+    def draw_header_preset(self, context: Context) -> None:
+        draw_remedy_of_cause(self.layout, context)
 
     def draw(self, context: Context) -> None:
         draw_why(self.layout, context)

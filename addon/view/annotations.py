@@ -19,6 +19,7 @@ from .render_data import Lines, Place, RenderData, Size
 from .symbols import Symbol
 
 _PADDING = (6.0, 4.0)
+_NAME_WIDTH = 150.0  # points
 _GAP = 5.0  # points between a place's symbol and its label
 _MARGIN = 12.0  # points between the legend and the edges
 _LEGEND_WIDTH, _LEGEND_HEIGHT, _LEGEND_PADDING = 120.0, 58.0, 10.0  # points
@@ -132,6 +133,7 @@ def _add_labels(
     anchor = anchor[shown]
     space = builder.width(" ") * 1.6
     titles, values = zip(*(felt.get(label.name, (label.name, "")) for label in labels), strict=True)
+    titles = tuple(builder.fitted(title, _NAME_WIDTH) for title in titles)
     names = np.array(list(map(builder.width, titles)))
     widths = names + np.array([space + builder.width(value) if value else 0.0 for value in values])
     heights = np.full(len(labels), TEXT_SIZE * 0.95)

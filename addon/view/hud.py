@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...core.frozen import frozen
 from ..blender.text import shortened, text_width
-from .render_data import Lines, Place, joined, lines_of
+from .render_data import Drawn, Lines, Place, joined, lines_of
 from .symbols import Symbol
 
 TEXT_SIZE = 11.0
@@ -18,6 +18,7 @@ SMALL_TEXT = 0.86 * TEXT_SIZE
 INK = (0.94, 0.94, 0.94)
 FAINT_INK = (0.72, 0.72, 0.72)
 PLATE = (0.075, 0.075, 0.085, 0.84)
+_DARKER = 0.55  # of coloured texts in a light theme
 
 Rectangle = tuple[float, float, float, float]
 """Left, bottom, right, top in pixels."""
@@ -68,6 +69,17 @@ class Hud:
         """Both, ``other`` drawn over this one."""
         lines = joined(self.lines, other.lines)
         return Hud(lines, self.texts + other.texts, self.bounds + other.bounds)
+
+    def on_light(self) -> Hud:
+        """A copy for a light theme: greys inverted, texts of other colours darker."""
+        colour = self.lines.colour.copy()
+        colour[..., :3] = np.where(_is_grey(colour), 1 - colour[..., :3], colour[..., :3])
+        texts = []
+        for text in self.texts:
+            ink = np.array(text.colour)
+            ink = np.where(_is_grey(ink), 1 - ink, _DARKER * ink)
+            texts.append(replace(text, colour=tuple(ink.tolist())))
+        return replace(self, lines=replace(self.lines, colour=colour), texts=tuple(texts))
 
 
 class HudBuilder:
@@ -152,6 +164,11 @@ class HudBuilder:
         )
         bounds = (np.array(self._bounds).reshape(-1, 4) * self.scale).tolist()
         return Hud(lines, tuple(self._texts), tuple(map(tuple, bounds)), tuple(self._targets))
+
+
+def _is_grey(colour: Drawn) -> Any:
+    """Whether each colour (..., 3 or 4) is a grey (..., 1)."""
+    return np.ptp(colour[..., :3], axis=-1, keepdims=True) < 0.05
 
 
 def _moved(area: Rectangle, right: float, up: float) -> Rectangle:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...core.arrays import BoolArray, FloatArray
 from ...core.render.lane import height_of
+from ..blender.words import ui_text
 from .hud import SMALL_TEXT, Hud, HudBuilder
 from .render_data import Drawn, Place
 from .symbols import Symbol
@@ -125,7 +126,7 @@ def names(
         left = right if is_beside else _LEFT
         text = builder.fitted(row.name, _NAME_WIDTH, SMALL_TEXT)
         if number == len(rows) - 1 and hidden:
-            text = f"{text}  +{hidden}"
+            text = f"{text}, {ui_text('and {} more', hidden)}"
         low = (row.low + row.height / 2) / scale - 5
         start = left + _SWATCH + 3
         right = start + builder.width(text, SMALL_TEXT) + 3

@@ -19,7 +19,7 @@ from ..session import sessions
 from .hud import Hud, Rectangle, Target, overlaps
 from .layout import corner_room, free_rectangle, is_main_view, pixels_per_point
 from .meter_layout import SWITCHES, meter_hud
-from .screen import Recent, draw_flat, uploaded
+from .screen import Recent, draw_flat, is_light, uploaded
 from .watched import levels_of, watched
 
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
@@ -109,7 +109,7 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
     switched = {level.listener: _switched(level.listener) for level in levels}
     key = (
         (traced and traced.serial, levels, spots, room, scale, corner, title, watched(scene)),
-        (tuple(switched.items()), chosen.show_body, bpy.app.translations.locale),
+        (tuple(switched.items()), chosen.show_body, bpy.app.translations.locale, is_light()),
     )
     known, batch, _ = _shown.get(region.as_pointer(), (None, None, None))
     if known != key:
@@ -126,7 +126,7 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
             switched=switched,
         )
         hud = _in_corner(hud, corner, room)
-        batch = uploaded(hud)
+        batch = uploaded(hud.on_light() if is_light() else hud)
         _shown[region.as_pointer()] = key, batch, hud
     draw_flat(batch, (region.width, region.height), scale)
 

@@ -40,7 +40,7 @@ from .layout import (
 from .options import options_of
 from .quads import Quads, quads
 from .render_data import Options, RenderData, Size, render_data
-from .screen import Recent, draw_flat, uploaded
+from .screen import Recent, draw_flat, is_light, uploaded
 from .watched import levels_of
 
 HIDDEN = 0.15  # opacity of parts hidden by objects, where the graph is not drawn in front
@@ -188,10 +188,12 @@ def draw_annotations(
         scale: Pixels per point.
         around: What else `placed_annotations` takes.
     """
-    key = (perspective.tobytes(), size, scale, *around, bpy.app.translations.locale)
+    light = is_light()
+    key = (perspective.tobytes(), size, scale, *around, bpy.app.translations.locale, light)
     known = drawing.views.get(key)
     if known is None:
-        known = uploaded(placed_annotations(drawing.shapes.data, perspective, size, scale, *around))
+        hud = placed_annotations(drawing.shapes.data, perspective, size, scale, *around)
+        known = uploaded(hud.on_light() if light else hud)
         drawing.views[key] = known
     draw_flat(known, size, scale)
 

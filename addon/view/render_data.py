@@ -375,12 +375,13 @@ def _amplitude_colour(scale: AmplitudeScale, amplitude: FloatArray) -> FloatArra
 
 
 def _labels(result: FrameResult, scale: AmplitudeScale, options: Options) -> tuple[Label, ...]:
-    labels = []
+    """Of listeners, and of sources that are none."""
+    labels = {}
     for source in result.sources:
         chosen = source.name in options.sources
         if chosen or source.kind is not SourceKind.TEMPORARY:
             colour = SOURCE_COLOUR if source.amplitude > 0 else SILENT_COLOUR
-            labels.append(_label(source, Symbol.SOURCE, colour, 20.0 + 4 * chosen))
+            labels[source.name] = _label(source, Symbol.SOURCE, colour, 20.0 + 4 * chosen)
     received = listener_amplitudes(result, options)
     for listener, amplitude, colour in zip(
         result.listeners, received, _amplitude_colour(scale, received), strict=True
@@ -388,9 +389,9 @@ def _labels(result: FrameResult, scale: AmplitudeScale, options: Options) -> tup
         chosen = listener.name in options.listeners
         if chosen or not options.listeners:
             priority = 10.0 * chosen + float(scale.place(amplitude))
-            labels.append(_label(listener, Symbol.LISTENER, colour, priority))
+            labels[listener.name] = _label(listener, Symbol.LISTENER, colour, priority)
     wanted = options.labelled
-    return tuple(label for label in labels if wanted is None or label.name == wanted)
+    return tuple(label for label in labels.values() if wanted is None or label.name == wanted)
 
 
 def _label(item: Source | Listener, shape: Symbol, colour: FloatArray, priority: float) -> Label:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import blf
+import bpy
 import gpu
 from gpu.types import GPUBatch
 from mathutils import Matrix
@@ -34,6 +35,11 @@ class Uploaded(NamedTuple):
 
     batch: GPUBatch | None
     texts: tuple[PlacedText, ...]
+
+
+def is_light() -> bool:
+    """Whether the menus of the theme in use are light."""
+    return sum(bpy.context.preferences.themes[0].user_interface.wcol_menu_back.inner[:3]) > 1.5
 
 
 def uploaded(items: Hud) -> Uploaded:

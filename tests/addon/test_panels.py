@@ -43,9 +43,9 @@ def _draw(panel):
     layout = recording_layout.RecordingLayout()
     if not hasattr(panel, "poll") or panel.poll(bpy.context):
         drawn = SimpleNamespace(layout=layout)
-        if hasattr(panel, "draw_header"):
-            panel.draw_header(drawn, bpy.context)
-        panel.draw(drawn, bpy.context)
+        for part in ("draw_header", "draw_header_preset", "draw"):
+            if hasattr(panel, part):
+                getattr(panel, part)(drawn, bpy.context)
     return layout
 
 
@@ -170,8 +170,8 @@ def test_scene_panel_lists_problems_with_a_button_to_their_object(add_empty, tra
     for panel in ("HAPTIC_PT_scene", "HAPTIC_PT_why"):
         layout = _draw(_panel(panel))
         assert any(label.startswith("This source is on no haptic") for label in layout.labels)
-        assert "ghost" in layout.labels
-        assert "haptic.select_object" in layout.operators
+    assert "ghost" in layout.labels
+    assert layout.operators.count("haptic.select_object") == 2, "in the header, and beside its text"
 
 
 def test_listener_panel_warns_where_it_feels_nothing(add_empty):

@@ -4,9 +4,10 @@ more than the levels."""
 import math
 
 import numpy as np
+import pytest
 from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.view.levels import Level
-from haptic_tracing.addon.view.meter_layout import MOST_ROWS, ROW, colour_of, meter_hud
+from haptic_tracing.addon.view.meter_layout import MOST_ROWS, ROW, SWITCHES, colour_of, meter_hud
 from haptic_tracing.core.scene.body import PAPER_LISTENERS
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -103,3 +104,29 @@ def test_colours_rise_with_the_level_and_grey_is_not_felt():
     weak = Level("x", "x", "", -56.0, -4.0)
     assert colour_of(weak) == colour_of(silent)
     assert len(set(colour_of(silent)[:2])) == 1
+
+
+def _luminance(colour):
+    """Relative luminance of an sRGB colour, as WCAG 2.1 defines it."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in colour]
+    return sum(share * c for share, c in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+
+
+@pytest.mark.parametrize("viewport", [0.24, 0.40])
+def test_texts_can_be_read_in_both_themes(viewport):
+    """Names, numbers and headings have the contrast of 4.5 that WCAG 2.1 asks of texts."""
+    items = meter_hud(LEVELS, (1200, 600), 1.0, "Mode HT")
+    lumas = []
+    for shown in (items, items.on_light()):
+        *plate, alpha = shown.lines.colour[0, 0].tolist()
+        ground = _luminance([alpha * c + (1 - alpha) * viewport for c in plate])
+        lumas.append(ground)
+        for text in shown.texts:
+            if text.words not in SWITCHES:
+                dark, light = sorted((ground, _luminance(text.colour)))
+                assert (light + 0.05) / (dark + 0.05) >= 4.5, text.words
+    assert lumas[0] < 0.05 and lumas[1] > 0.5
+    felt = items.lines.colour[:, 0]
+    assert (np.ptp(felt[:, :3], axis=1) > 0.1).any(), "the bars are coloured"
+    coloured = np.ptp(felt[:, :3], axis=1) > 0.1
+    assert (items.on_light().lines.colour[coloured] == items.lines.colour[coloured]).all()

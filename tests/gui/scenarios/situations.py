@@ -35,6 +35,39 @@ def floor():
     return ground
 
 
+def machine(window):
+    """A machine of five parts on a desk, beside a phone, through a file of glTF."""
+    for name, size, place in (
+        ("Schreibtisch.001", (1.6, 0.8, 0.04), (0, 0, 0.72)),
+        ("Geh\N{LATIN SMALL LETTER A WITH DIAERESIS}use_unten", (0.4, 0.3, 0.1), (0, 0, 0.79)),
+        ("Motor \\ Halter", (0.2, 0.2, 0.2), (0, 0, 0.94)),
+        ("Mesh_0012.003", (0.08, 0.08, 0.1), (0, 0, 1.09)),
+        ("phone_body_low_LOD0", (0.075, 0.15, 0.01), (0.5, 0, 0.745)),
+    ):
+        bpy.ops.mesh.primitive_cube_add(size=1, location=place)
+        bpy.context.object.name, bpy.context.object.scale = name, size
+    path = str(window.folder / "machine.glb")
+    bpy.ops.export_scene.gltf(filepath=path, use_active_scene=True)
+    for obj in list(bpy.context.scene.objects):
+        bpy.data.objects.remove(obj)
+    bpy.ops.import_scene.gltf(filepath=path)
+    return {obj.name[:5]: obj for obj in bpy.context.scene.objects}
+
+
+def narrow(window, by):
+    """Drag the edge of the sidebar by pixels."""
+    region = window.region("UI")
+    window.point(region.x + 1, region.y + region.height // 3)
+    yield 0.3
+    window.event("LEFTMOUSE", "PRESS")
+    for _ in range(4):
+        yield 0.2
+        window.point(window.mouse[0] + by / 4, window.mouse[1])
+    yield 0.2
+    window.event("LEFTMOUSE", "RELEASE")
+    yield 0.5
+
+
 def character():
     """A figure of boxes skinned to bones, on a floor."""
     bpy.ops.object.armature_add(location=(0, 0, 0))
@@ -118,6 +151,13 @@ def steps(window):
     view.use_translate_interface = view.use_translate_tooltips = True
     yield from situation(window, "german")
     view.language = "en_US"
+    wide = window.region("UI").width
+    yield from narrow(window, wide - 280)
+    window.seen[f"a sidebar of {window.region('UI').width} pixels, not {wide}"] = (
+        abs(window.region("UI").width - 280) <= 8
+    )
+    yield from situation(window, "280-pixels")
+    yield from narrow(window, window.region("UI").width - wide)
     cube.location.z = 4.0
     yield from situation(window, "nothing-felt")
     cube.location.z = 0.0
@@ -131,3 +171,17 @@ def steps(window):
     yield from situation(window, "character-made")
     bpy.ops.haptic.add_default_listeners()
     yield from situation(window, "character")
+    scene = bpy.data.scenes.new("Machine")
+    window.window.scene = scene
+    yield 0.5
+    parts = machine(window)
+    yield 0.5
+    select(*parts.values())
+    bpy.ops.haptic.make_objects()
+    select(parts["Motor"])
+    bpy.ops.haptic.add_source(signal="SINE")
+    select(parts["phone"])
+    bpy.ops.haptic.add_listener()
+    with window.context():
+        bpy.ops.view3d.view_all()
+    yield from situation(window, "imported-machine")
