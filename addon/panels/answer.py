@@ -220,9 +220,9 @@ def _draw_reasons(layout: UILayout, context: Context, why: explanation.Explanati
         layout.label(text="Looking for reasons...", icon="SORTTIME")
         return used + 1
     for reason in why.reasons:
-        if used + 4 > _WHY_LINES:
+        if used + 6 > _WHY_LINES:
             break
-        used += draw_lines(layout, sentence(reason), "INFO", 3)
+        used += draw_lines(layout, sentence(reason), "INFO", 5)
         used += draw_cure(layout.row(align=True), context, reason)
     return used
 

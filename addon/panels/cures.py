@@ -16,13 +16,9 @@ if TYPE_CHECKING:
     from ..scene_reader.problem import Problem
 
 
-_DIRECT = {Cause.MUTED, Cause.ZERO_AMPLITUDE, Cause.NOT_FELT, Cause.LISTENER_GAIN, Cause.NO_SOURCE}
-"""Causes whose remedy needs no selection of an object."""
-
-
 def draw_cure(layout: UILayout, context: Context, reason: Message) -> bool:
-    """Draw the button or field that removes the reason, in one line. Returns False if there is
-    none."""
+    """Draw the button or field that removes the reason, or the button that selects its object.
+    Returns False if there is none."""
     obj = bpy.data.objects.get(reason.object)
     haptics = context.scene.haptics
     match reason.cause:
@@ -33,17 +29,17 @@ def draw_cure(layout: UILayout, context: Context, reason: Message) -> bool:
         case Cause.NEAREST_LISTENER_ONLY:
             layout.operator("haptic.set_mode", text="Set Mode to Haptic Tracing").mode = "HT"
         case Cause.NARROW_GAP:
-            layout.prop(haptics, "contact_tolerance")
+            layout.prop(haptics, "contact_tolerance", text="Tolerance")
         case Cause.MUTED if obj is not None:
             layout.prop(obj.haptics.source, "muted")
         case Cause.ZERO_AMPLITUDE | Cause.NOT_FELT if obj is not None:
             layout.prop(obj.haptics.source, "amplitude")
         case Cause.LISTENER_GAIN if obj is not None:
             layout.prop(obj.haptics.listener, "gain")
-        case _ if not reason.object:
+        case _ if reason.object:
+            _draw_selection(layout, reason.object)
+        case _:
             return False
-    if reason.object and reason.cause not in _DIRECT:
-        _draw_selection(layout, reason.object)
     return True
 
 

@@ -79,7 +79,9 @@ def titles(listeners: Sequence[Listener]) -> list[str]:
     parts = Counter(item.body_part for item in listeners)
     return [
         item.body_part
-        if parts[item.body_part] == 1 and item.name.endswith(f" {item.body_part}")
+        if item.body_part
+        and parts[item.body_part] == 1
+        and item.name.rstrip(".0123456789").endswith(item.body_part)
         else item.name
         for item in listeners
     ]
