@@ -55,7 +55,7 @@ def known_motion(
         world = None if obj is None else curves.world(obj)
         if world is None:
             continue
-        raw = world.transpose(0, 2, 1).reshape(-1, 16).astype(np.float32)
+        raw = world.transpose(0, 2, 1).reshape(-1, 16)
         poses, _ = rigid_transforms(in_metres(raw, metres))
         ends = np.stack([known[row], now.transforms[row]])
         if np.abs(poses[[2, -1]] - ends).max() <= _SAME * max(1.0, np.abs(ends).max()):
@@ -178,15 +178,16 @@ class _Curves:
         return found
 
     def _evaluated(self, curve: Any) -> FloatArray:
-        """Values (k,) of a curve: from the third on by the polynomial through some of them, if it
-        meets more of them than it has coefficients."""
-        frames = self._frames.tolist()
-        nodes, fit = _polynomial(len(frames) - 2)
-        some = np.array([curve.evaluate(frames[2 + node]) for node in nodes])
-        smooth = fit @ some
-        if np.abs(smooth[nodes] - some).max() > _EXACT * max(1.0, np.abs(some).max()):
-            return np.array([curve.evaluate(frame) for frame in frames])
-        return np.array([*map(curve.evaluate, frames[:2]), *smooth])
+        """Values (k,) of a curve: from the third on by the polynomial of least degree through some
+        of them, if it meets more of them than it has coefficients."""
+        nodes, fits = _polynomials(len(self._frames) - 2)
+        some = _sampled(curve, self._frames[2:][nodes])
+        error = _EXACT * max(1.0, np.abs(some).max())
+        for fit in fits:
+            smooth = fit @ some
+            if np.abs(smooth[nodes] - some).max() <= error:
+                return np.concatenate([_sampled(curve, self._frames[:2]), smooth])
+        return _sampled(curve, self._frames)
 
     def _curves_of(self, owner: Object) -> dict[tuple[str, int], Any]:
         """The F-curves of an object by path and index."""
@@ -199,15 +200,25 @@ class _Curves:
         return self._values[owner.name_full]
 
 
+def _sampled(curve: Any, frames: FloatArray) -> FloatArray:
+    """Values (k,) of a curve at ``frames`` (k,), of which Blender knows only single precision: a
+    share of a sample late in a scene."""
+    single = frames.astype(np.float32).astype(np.float64)
+    values = np.array([curve.evaluate(frame) for frame in single.tolist()])
+    return np.asarray(values + np.gradient(values, frames) * (frames - single))
+
+
 @cache
-def _polynomial(count: int) -> tuple[list[int], FloatArray]:
-    """Numbers of m samples among ``count`` even ones, denser towards the ends, and the matrix
-    (count, m) from values there to those at all samples, by least squares."""
+def _polynomials(count: int) -> tuple[list[int], list[FloatArray]]:
+    """Numbers of m samples among ``count`` even ones, denser towards the ends, and matrices
+    (count, m) from values there to those at all samples, by least squares and polynomials of
+    increasing degrees: a low one doesn't follow the roundings of values."""
     nodes = np.unique(np.rint((1 - np.cos(np.linspace(0, np.pi, 13))) / 2 * (count - 1))).astype(
         int
     )
     powers = np.polynomial.chebyshev.chebvander(np.linspace(-1, 1, count), 8)
-    return nodes.tolist(), np.asarray(powers @ np.linalg.pinv(powers[nodes]), dtype=np.float64)
+    fits = [powers[:, :k] @ np.linalg.pinv(powers[nodes, :k]) for k in (2, 4, 9)]
+    return nodes.tolist(), fits
 
 
 def _turns(mode: str, channel: Callable[[str], FloatArray]) -> FloatArray:

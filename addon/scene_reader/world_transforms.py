@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
+from typing import TypeVar
 
 import bpy
 import numpy as np
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 from ...core.arrays import FloatArray
 from ..blender.arrays import read_array
 from .present import evaluated_in, is_shown
+
+_Float = TypeVar("_Float", np.float32, np.float64)
 
 _SHEARED = 1e-4
 """Cosine of the angle between two axes of an object beyond which it counts as sheared."""
@@ -40,20 +43,20 @@ def matrices_of(objects: Iterable[Object], depsgraph: Depsgraph) -> NDArray[np.f
     return np.array(matrices, dtype=np.float32).reshape(-1, 16)
 
 
-def in_metres(matrices: NDArray[np.float32], metres: float) -> NDArray[np.float32]:
+def in_metres(matrices: NDArray[_Float], metres: float) -> NDArray[_Float]:
     """Raw matrices (n, 16) to units of ``metres`` as matrices to metres."""
     if metres == 1.0:
         return matrices
-    return (matrices * np.tile((metres, metres, metres, 1.0), 4)).astype(np.float32)
+    return (matrices * np.tile((metres, metres, metres, 1.0), 4)).astype(matrices.dtype)
 
 
-def rigid_transforms(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
+def rigid_transforms(raw: NDArray[np.float32] | FloatArray) -> tuple[FloatArray, FloatArray]:
     """Split raw matrices (n, 16) into rigid transforms (n, 4, 4) and stretches (n, 6): the scales
     along x, y and z, negative where mirrored, and the shears of y along x, of z along x and of z
     along y. Objects are sheared by a parent whose scale differs from axis to axis. Of a
     matrix that is not finite, the transform is 0 and the stretch is not a number.
     """
-    return _split_one(raw.tobytes()) if len(raw) == 1 else _split(raw)
+    return _split_one(raw.astype(np.float32).tobytes()) if len(raw) == 1 else _split(raw)
 
 
 @lru_cache(maxsize=16)
@@ -66,7 +69,7 @@ def _split_one(raw: bytes) -> tuple[FloatArray, FloatArray]:
     return found
 
 
-def _split(raw: NDArray[np.float32]) -> tuple[FloatArray, FloatArray]:
+def _split(raw: NDArray[np.float32] | FloatArray) -> tuple[FloatArray, FloatArray]:
     """`rigid_transforms`."""
     columns = raw.T.astype(np.float64, order="C").reshape(4, 4, -1)
     lost = ~np.isfinite(columns).all(axis=(0, 1))
