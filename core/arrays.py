@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cache
 from typing import Any, TypeVar
 
@@ -53,6 +53,31 @@ def among(numbers: IntArray, ordered: IntArray) -> BoolArray:
     if np.array_equal(numbers, ordered):
         return np.ones(len(numbers), dtype=np.bool_)
     return np.asarray(ordered.take(np.searchsorted(ordered, numbers), mode="clip") == numbers)
+
+
+def differing(one: Any, other: Any, names: Sequence[str]) -> BoolArray:
+    """In which rows (n,) some of the arrays ``names`` of two values differ; NaN is like NaN."""
+    found = np.zeros(len(getattr(one, names[0])), dtype=np.bool_)
+    for name in names:
+        a, b = getattr(one, name).reshape(-1), getattr(other, name).reshape(-1)
+        unlike = np.flatnonzero(a != b)
+        unlike = unlike[~(np.isnan(a[unlike]) & np.isnan(b[unlike]))]
+        found[unlike // max(1, len(a) // max(1, len(found)))] = True
+    return found
+
+
+def with_rows(value: _Record, names: Sequence[str], rows: IntArray | slice, found: Any) -> _Record:
+    """A value whose arrays ``names`` have in some ``rows``, along their first axis, what was
+    ``found``. None, and arrays without a change, stay."""
+    changed = {}
+    for name in names:
+        known, new = getattr(value, name), getattr(found, name)
+        if known is not None and not np.array_equal(known[rows], new):
+            changed[name] = known.copy()
+            changed[name][rows] = new
+    record: Any = value
+    result: _Record = replace(record, **changed)
+    return result
 
 
 def added_by(number: IntArray, values: FloatArray, count: int) -> FloatArray:

@@ -34,7 +34,7 @@ from .scene.functions import ModulationFunction
 from .scene.impact_rule import ImpactRule
 from .scene.rule_table import RuleTable
 from .scene.rules import ImpactTemplates
-from .scene.values import Source
+from .scene.values import HapticObject, Source
 from .unchanged import Unchanged
 
 """Strategies whose gains depend on nothing beside the paths from sources to listeners."""
@@ -166,7 +166,7 @@ class CollisionDetector:
         impacts = frame.struck or ()
         if frame.contacts is None and frame.bodies:
             tracker = self._follow(frame.bodies, frame.anew)
-            numbering = self._numbering(frame.bodies, table)
+            numbering = self._numbering(frame.objects, frame.bodies, table)
             rules = self._transmissions(self.settings.transmission_table, table)
             impacts = self._found(frame, tracker, numbering, rules, self._events).impacts
         self._passed += impacts
@@ -200,7 +200,7 @@ class CollisionDetector:
             contacts, frames = _given(frame, table)
             found = FrameContacts(contacts, frame.struck or (), ContactStatistics(), ())
         else:
-            numbering = self._numbering(frame.bodies, table)
+            numbering = self._numbering(frame.objects, frame.bodies, table)
             rules = self._transmissions(self.settings.transmission_table, table)
             found = self._found(frame, tracker, numbering, rules, events)
             contacts = self._numbered(found.contacts, numbering, rules, frame.authored)
@@ -287,7 +287,8 @@ class CollisionDetector:
             or self.settings.textures.rows
         ):
             return None
-        heard, sounding = np.zeros((2, len(frame.bodies)), dtype=np.bool_)
+        count = len(frame.bodies)
+        heard, sounding = np.zeros((2, len(frame.objects)), dtype=np.bool_)
         if frame.settings.mode in (Mode.HT, Mode.SD):
             names = [
                 name
@@ -301,10 +302,9 @@ class CollisionDetector:
             ] = True
             sounding[[row[name] for name in names if name in row]] = True
             struck = [k for one in (*self._passed, *(frame.struck or ())) for k in one.objects]
-            sounding[[number for number in struck if number < len(sounding)]] = True
-        return Endpoints(
-            heard, sounding, self.paths and frame.settings.strategy is Strategy.BEST_PATH
-        )
+            sounding[[number for number in struck if number < count]] = True
+        paths = self.paths and frame.settings.strategy is Strategy.BEST_PATH
+        return Endpoints(heard[:count], sounding[:count], paths)
 
 
 def _given(frame: Frame, table: ObjectTable) -> tuple[ContactSet, ObjectFrames | None]:
@@ -354,13 +354,16 @@ def _numbered(
 class _Numbering:
     """Numbering of bodies and of the objects of a table.
 
-    ``row``: the number of a body by name. ``objects`` (n,): the number of each body's object.
+    ``row``: the number of an object in its frame, which is that of its body, by name. ``objects``
+    (n,): the number of each body's object in the table.
     """
 
-    def __init__(self, bodies: tuple[Body, ...], table: ObjectTable) -> None:
+    def __init__(
+        self, objects: tuple[HapticObject, ...], bodies: tuple[Body, ...], table: ObjectTable
+    ) -> None:
         self.bodies = bodies
         self._count = len(table.names)
-        self.row = {body.name: number for number, body in enumerate(bodies)}
+        self.row = {item.name: number for number, item in enumerate(objects)}
         index = table.index()
         self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
 
@@ -373,8 +376,8 @@ class _Numbering:
         frames = ObjectFrames.unknown(self._count)
         turned = [item.object for item in frame.listeners if item.radius > 0]
         if turned:
-            index, row = table.index(), {name: row for row, name in enumerate(frame.names)}
-            poses = transforms[[row[name] for name in turned]]
+            index = table.index()
+            poses = transforms[[self.row[name] for name in turned]]
             frames = frames.turned(np.array([index[name] for name in turned]), poses)
         if not _asks_for_frames(contacts, table, self.sizes):
             return frames if turned else None

@@ -132,6 +132,7 @@ class Tracer:
                 inputs.listeners,
                 inputs.frames,
                 gravity,
+                None if known is None else known.graph,
             )
             watch.lap("graph")
             known = self._propagated = Propagated(

@@ -59,11 +59,3 @@ class AuthoredContacts:
 def rows_of(contacts: ContactSet, chosen: BoolArray | IntArray) -> ContactSet:
     """The contacts that are ``chosen``, (n,) or by their numbers."""
     return replace(contacts, **{key: getattr(contacts, key)[chosen] for key in ARRAYS})
-
-
-def with_rows(contacts: ContactSet, numbers: IntArray, found: ContactSet) -> ContactSet:
-    """The contacts with those of some ``numbers`` replaced by what was ``found``."""
-    values = {key: getattr(contacts, key).copy() for key in ARRAYS}
-    for key in ARRAYS:
-        values[key][numbers] = getattr(found, key)
-    return replace(contacts, **values)

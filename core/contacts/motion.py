@@ -11,6 +11,8 @@ Poses are arrays (12, n): rotation by rows, then position.
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -259,7 +261,8 @@ class MotionHistory:
     def deviated(self, paths: Paths) -> BoolArray:
         """Which moving bodies (n,) are neither at the ends of their ``paths`` nor where these would
         end without acceleration, and don't move and turn on as before."""
-        t = paths.duration
+        rows = self.moving().nonzero()[0]
+        t, count, paths = paths.duration, len(paths.certain), paths.chosen(rows)
         travel = paths.end[9:] - paths.start[9:]
         chord = (paths.start[9:] - paths.earlier[9:]) / paths.earlier_duration
         straight = travel - paths.velocity * t
@@ -271,7 +274,9 @@ class MotionHistory:
             _squared(turn) * t * t <= _TURN**2
         )
         ways = np.minimum(_squared(straight), _squared(bent))
-        return self.moving() & (ways > limit**2) & ~on
+        found = np.zeros(count, dtype=np.bool_)
+        found[rows] = (ways > limit**2) & ~on
+        return found
 
     def _stopped(self, rows: IntArray) -> BoolArray:
         """Which bodies ``rows`` (k,), of four poses, were stopped in the last interval: they moved
@@ -324,10 +329,42 @@ class MotionHistory:
             later - earlier
             for earlier, later in zip(self.times[-2::-1], self.times[:0:-1], strict=True)
         )
-        earlier, start, end = self._poses[-3:]
-        before, last, now = earlier[9:], start[9:], end[9:]
         if step >= HITCH:
             return self._straight(step, known)
+        moving = self.moving()
+        if moving.all():
+            return self._curved(kinematic, airborne, gravity, step, known, older)
+        moving_ones, rows = copy.copy(self), moving.nonzero()[0]
+        moving_ones.renumber(rows)
+        found = moving_ones._curved(kinematic[rows], airborne[rows], gravity, step, known, older)
+        before = np.where(moving, moving.cumsum() - 1, -1)
+        earlier, start, end = self._poses[-3:]
+        return replace(
+            found,
+            start=start,
+            velocity=carried(found.velocity, before, 0.0),
+            acceleration=carried(found.acceleration, before, 0.0),
+            spin=carried(found.spin, before, 0.0),
+            end=end,
+            certain=carried(found.certain, before, False) | (kinematic & ~moving),
+            turned=carried(found.turned, before, False),
+            earlier=earlier,
+            trend=carried(found.trend, before, 0.0),
+        )
+
+    def _curved(
+        self,
+        kinematic: BoolArray,
+        airborne: BoolArray,
+        gravity: FloatArray,
+        step: float,
+        known: float,
+        older: Sequence[float],
+    ) -> Paths:
+        """As `paths`, through an interval of ``step`` seconds, after one of ``known``, and one
+        ``older`` at most."""
+        earlier, start, end = self._poses[-3:]
+        before, last, now = earlier[9:], start[9:], end[9:]
         weight = float(np.linalg.norm(gravity))
         chord = (last - before) / known
         direct = (now - last) / step

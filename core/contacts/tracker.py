@@ -8,10 +8,10 @@ from time import perf_counter
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, among, carried, chosen_of
+from ..arrays import BoolArray, FloatArray, IntArray, among, carried, chosen_of, with_rows
 from ..frozen import frozen
 from ..message import Cause, Message
-from .authored import with_rows
+from .authored import ARRAYS
 from .body_poses import BodyPoses
 from .body_table import STILL as STILL
 from .body_table import BodyTable
@@ -513,7 +513,7 @@ class ContactTracker:
         if len(changed) == 0:
             return self._last.contacts
         here = pairs.contacts(rows[changed], self._table, self._poses, self.settings.tolerance)
-        return with_rows(self._last.contacts, changed, here)
+        return with_rows(self._last.contacts, ARRAYS, changed, here)
 
     def _requested(self, endpoints: Endpoints | None, striking: BoolArray) -> BoolArray:
         """Which candidate pairs (p,) the caller wants: those in heaps that hold both a listener and

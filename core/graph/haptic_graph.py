@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import FloatArray, IntArray
+from ..arrays import FloatArray, IntArray, differing, with_rows
 from ..contacts.authored import ARRAYS, rows_of
 from ..contacts.contact_set import ContactSet
 from ..contacts.forces import contact_forces
@@ -259,6 +259,47 @@ class SourceNodes:
 
 
 @frozen(eq=False)
+class Transmitted:
+    """What contacts pass on by their functions and weights, alike in both directions: ``losses``
+    (c,), ``band_gains`` (c, bands) and ``delay`` (c,) as in `HapticGraph`."""
+
+    losses: FloatArray
+    band_gains: FloatArray | None
+    delay: FloatArray | None
+
+
+@frozen(eq=False)
+class Conducted:
+    """The contacts of a graph, from which that of a later frame takes over what has not changed.
+
+    Attributes:
+        given: as they were given.
+        ordered: each pair's smaller object first, sorted.
+        place: (c,) where each of those given stands among these; None where several join the same
+            objects, whose order depends on where they lie.
+        on: (k,) objects of the nodes of sources and listeners.
+        rank: (n,) as in `_inter_connections`.
+        own: what they pass on without the impedances of their bodies.
+    """
+
+    given: ContactSet
+    ordered: ContactSet
+    place: IntArray | None
+    on: IntArray
+    rank: IntArray
+    own: Transmitted
+
+    def is_like(self, contacts: ContactSet, on: IntArray) -> bool:
+        """Whether ``contacts`` join the same objects by the same functions."""
+        return (
+            self.place is not None
+            and contacts.transmissions == self.given.transmissions
+            and np.array_equal(contacts.pairs, self.given.pairs)
+            and np.array_equal(on, self.on)
+        )
+
+
+@frozen(eq=False)
 class HapticGraph:
     """``G = (V, {P, T})`` with the intra-connections P implied.
 
@@ -287,6 +328,7 @@ class HapticGraph:
         reach: (n,) radius [m] about a listener's node within which distances to it are 0, 0 for
             other nodes; None if all are 0.
         fronts: (2, n) `Spreading.fronts` of the nodes' patches; None if all are points.
+        conducted: its contacts.
     """
 
     table: ObjectTable
@@ -305,6 +347,7 @@ class HapticGraph:
     listeners: tuple[str, ...]
     listener_nodes: IntArray
     frames: ObjectFrames
+    conducted: Conducted
     forces: FloatArray | None = None
     reach: FloatArray | None = None
     fronts: FloatArray | None = None
@@ -462,6 +505,7 @@ def build_graph(
     listeners: Sequence[Listener],
     frames: ObjectFrames | None = None,
     gravity: Vector = (0.0, 0.0, -9.81),
+    before: HapticGraph | None = None,
 ) -> HapticGraph:
     """The haptic graph of one frame.
 
@@ -475,14 +519,13 @@ def build_graph(
         listeners: each on an object of the table.
         frames: of the objects of the table; None where they are unknown.
         gravity: [m/s^2], from which the forces of resting contacts follow if a function uses them.
+        before: of the frame before; where the same objects touch, only what has changed is made.
 
     Raises:
         ValueError: names the argument for an object that is not in the table, a contact of an
             object with itself or a number that is not finite.
         NoGain: a transmission expression gives no valid gain.
     """
-    _check(table, contacts)
-    contacts = _canonical(contacts, len(table.names))
     count = len(contacts)
     source_entries = [
         (number, name, position)
@@ -501,38 +544,71 @@ def build_graph(
         on = np.array([index[name] for name, _ in ends], dtype=np.int64)
     except KeyError:
         raise _not_there(index, sources, listeners) from None
-    node_object = np.concatenate([contacts.pairs.T.reshape(-1), on])
-    node_kind = _KINDS.repeat([2 * count, len(source_entries), len(ends) - len(source_entries)])
-    node_position = np.empty((3, len(node_object)))
-    node_position[:, :count] = contacts.positions[:, 0].T
-    node_position[:, count : 2 * count] = contacts.positions[:, 1].T
-    node_position[:, 2 * count :] = (
+    frames = frames or ObjectFrames.unknown(len(table.names))
+    known = None
+    if before is not None and before.table is table and before.conducted.is_like(contacts, on):
+        known = before
+    changed: IntArray | slice = slice(None)
+    found = None  # the contacts that have changed
+    if known is None:
+        _check(table, contacts)
+        ordered, place = _canonical(contacts, len(table.names))
+        of_nodes = np.concatenate([ordered.pairs.T.reshape(-1), on])
+        order = of_nodes.argsort(kind="stable")
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        node_object = of_nodes[order]
+        start = np.concatenate([[0], np.bincount(of_nodes, minlength=len(table.names)).cumsum()])
+        partner, contact, side = _inter_connections(rank, count)
+        node_position = np.empty((3, len(rank)))
+    else:
+        node_object, start = known.node_object, known.start
+        partner, contact, side = known.partner, known.contact, known.side
+        node_position = known.node_position.T.copy()
+        last = known.conducted
+        rank, place, ordered = last.rank, last.place, last.ordered
+        rows = np.flatnonzero(differing(last.given, contacts, ARRAYS[1:]))
+        changed = rows if place is None else place[rows]
+        found = _low_first(rows_of(contacts, rows))
+        _check(table, found)
+        ordered = with_rows(ordered, ARRAYS, changed, found)
+    node_kind = np.empty(len(rank), dtype=np.int8)
+    node_kind[rank] = _KINDS.repeat(
+        [2 * count, len(source_entries), len(ends) - len(source_entries)]
+    )
+    for number, nodes in enumerate((rank[:count], rank[count : 2 * count])):
+        node_position[:, nodes[changed]] = ordered.positions[changed, number].T
+    node_position[:, rank[2 * count :]] = (
         np.array([position for _, position in ends], dtype=np.float64).reshape(-1, 3).T
     )
-    order = node_object.argsort(kind="stable")
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    partner, contact, side = _inter_connections(rank, count)
-    frames = frames or ObjectFrames.unknown(len(table.names))
-    forces = _forces(table, contacts, frames, gravity)
-    loss, band_gains, delay = _transmissions(table, contacts, frames, forces)
+    forces = _forces(table, ordered, frames, gravity)
+    if found is None or known is None or forces is not None:
+        own = _transmissions(table, ordered, forces)
+    else:
+        own = with_rows(
+            known.conducted.own,
+            ("losses", "band_gains", "delay"),
+            changed,
+            _transmissions(table, found, None),
+        )
+    loss, band_gains = _between_bodies(table, ordered, frames, own)
     listener_nodes = rank[2 * count + len(source_entries) :]
     in_bands = (
         table.band_gains is not None or table.band_decays is not None or band_gains is not None
     )
     return HapticGraph(
         table=table,
-        start=np.concatenate([[0], np.bincount(node_object, minlength=len(table.names)).cumsum()]),
-        node_object=node_object[order],
-        node_kind=node_kind[order],
-        node_position=node_position.take(order, axis=1).T,  # each coordinate contiguous
+        start=start,
+        node_object=node_object,
+        node_kind=node_kind,
+        node_position=node_position.T,  # each coordinate contiguous
         partner=partner,
         contact=contact,
         side=side,
         transmission_loss=loss,
-        weight=contacts.weight,
+        weight=ordered.weight,
         contact_band_gains=band_gains,
-        contact_delay=delay,
+        contact_delay=own.delay,
         sources=_source_nodes(
             sources,
             [number for number, _, _ in source_entries],
@@ -542,9 +618,10 @@ def build_graph(
         listeners=tuple(listener.name for listener in listeners),
         listener_nodes=listener_nodes,
         frames=frames,
+        conducted=Conducted(contacts, ordered, place, on, rank, own),
         forces=forces,
         reach=_reach(listeners, listener_nodes, len(rank)),
-        fronts=_fronts(table, contacts, frames, rank),
+        fronts=_fronts(table, ordered, frames, rank, known, changed),
     )
 
 
@@ -566,18 +643,32 @@ def large_patches(
 
 
 def _fronts(
-    table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, rank: IntArray
+    table: ObjectTable,
+    contacts: ContactSet,
+    frames: ObjectFrames,
+    rank: IntArray,
+    known: HapticGraph | None,
+    changed: IntArray | slice,
 ) -> FloatArray | None:
-    """`HapticGraph.fronts`; ``rank`` (n,): as in `_inter_connections`."""
-    large = large_patches(table, contacts, frames.size)
-    if table.spreading is None or len(large) == 0:
+    """`HapticGraph.fronts`. ``rank`` (n,): as in `_inter_connections`; ``known``: a graph of which
+    only the contacts that have ``changed``, and objects, differ; None without one."""
+    if table.spreading is None or not table.spreading.has_fronts:
         return None
-    pairs = contacts.pairs[large]
-    size = frames.patch_sizes(pairs, contacts.area[large], contacts.normal[large])
-    fronts = np.zeros((2, len(rank)))
-    for index, nodes in zip(pairs.T, rank[: 2 * len(contacts)].reshape(2, -1), strict=True):
+    fronts, rows = np.zeros((2, len(rank))), np.arange(len(contacts))
+    if known is not None and known.fronts is not None:
+        fronts = known.fronts.copy()
+        moved = differing(known.frames, frames, ("axes", "size"))
+        unlike = moved[contacts.pairs[:, 0]] | moved[contacts.pairs[:, 1]]
+        unlike[changed] = True
+        rows = np.flatnonzero(unlike)
+    found = rows_of(contacts, rows)
+    large = large_patches(table, found, frames.size)
+    pairs = found.pairs[large]
+    size = frames.patch_sizes(pairs, found.area[large], found.normal[large])
+    for index, nodes in zip(pairs.T, (rank[rows], rank[len(contacts) + rows]), strict=True):
+        fronts[:, nodes] = 0.0
         fronts[:, nodes[large]] = table.spreading.fronts(index, size)
-    return fronts
+    return fronts if fronts.any() else None
 
 
 def _reach(listeners: Sequence[Listener], nodes: IntArray, count: int) -> FloatArray | None:
@@ -666,34 +757,41 @@ def _check(table: ObjectTable, contacts: ContactSet) -> None:
         raise ValueError("contacts: weight must lie in [0, 1]")
 
 
-def _canonical(contacts: ContactSet, count: int) -> ContactSet:
-    """Each pair's smaller object first, contacts sorted by objects, of which there are ``count``,
-    then by position and all other fields."""
+def _low_first(contacts: ContactSet) -> ContactSet:
+    """Each pair's smaller object first."""
     first, second = contacts.pairs.T
     swapped = first > second
-    key = first * count + second
-    if not swapped.any() and (key[1:] > key[:-1]).all():
+    if not swapped.any():
         return contacts
-    pairs: IntArray = np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs)
-    positions = np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions)
-    normal = np.where(swapped[:, None], -contacts.normal, contacts.normal)
-    key = pairs[:, 0] * count + pairs[:, 1]
+    return replace(
+        contacts,
+        pairs=np.where(swapped[:, None], contacts.pairs[:, ::-1], contacts.pairs),
+        positions=np.where(swapped[:, None, None], contacts.positions[:, ::-1], contacts.positions),
+        normal=np.where(swapped[:, None], -contacts.normal, contacts.normal),
+    )
+
+
+def _canonical(contacts: ContactSet, count: int) -> tuple[ContactSet, IntArray | None]:
+    """Each pair's smaller object first, contacts sorted by objects, of which there are ``count``,
+    then by position and all other fields; and `Conducted.place`."""
+    contacts = _low_first(contacts)
+    key = contacts.pairs[:, 0] * count + contacts.pairs[:, 1]
+    every = np.arange(len(key))
+    if (key[1:] > key[:-1]).all():
+        return contacts, every
     order = key.argsort(kind="stable")
     if (key[order[1:]] == key[order[:-1]]).any():
         by_name = sorted(
             range(len(contacts.transmissions)), key=lambda k: repr(contacts.transmissions[k])
         )
         function = np.argsort(by_name)[contacts.transmission]
-        flat = positions.reshape(len(pairs), 6)
+        flat = contacts.positions.reshape(len(key), 6)
         values = contacts.depth, contacts.weight, contacts.area
-        order = np.lexsort((function, *normal.T, *values, *flat.T[::-1], key))
-    return replace(
-        contacts,
-        pairs=pairs[order],
-        positions=positions[order],
-        normal=normal[order],
-        **{key: getattr(contacts, key)[order] for key in ARRAYS[3:]},
-    )
+        order = np.lexsort((function, *contacts.normal.T, *values, *flat.T[::-1], key))
+        return rows_of(contacts, order), None
+    place = np.empty_like(order)
+    place[order] = every
+    return rows_of(contacts, order), place
 
 
 def _forces(
@@ -719,12 +817,10 @@ def _forces(
 
 
 def _transmissions(
-    table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, forces: FloatArray | None
-) -> tuple[FloatArray, FloatArray | None, FloatArray | None]:
-    """Loss (c, 2), band gains (c, 2, bands) and delay (c,) of each inter-connection, including the
-    weights of the contacts; alike in both directions but for impedances. A function of kappa and
-    rho uses the mean of the two objects; ``angle`` is the contact normal's angle to the
-    vertical."""
+    table: ObjectTable, contacts: ContactSet, forces: FloatArray | None
+) -> Transmitted:
+    """What contacts pass on by their functions and weights. A function of kappa and rho uses the
+    mean of the two objects; ``angle`` is the contact normal's angle to the vertical."""
     losses = np.zeros(len(contacts), dtype=np.float64)
     band_gains = delay = None
     if not all(
@@ -759,15 +855,23 @@ def _transmissions(
     if (contacts.weight < 1).any():
         with np.errstate(divide="ignore"):
             losses = losses - np.log(contacts.weight)
-    both = losses[:, None].repeat(2, axis=1)
-    bands = None if band_gains is None else band_gains[:, None].repeat(2, axis=1)
+    return Transmitted(losses, band_gains, delay)
+
+
+def _between_bodies(
+    table: ObjectTable, contacts: ContactSet, frames: ObjectFrames, own: Transmitted
+) -> tuple[FloatArray, FloatArray | None]:
+    """Loss (c, 2) and band gains (c, 2, bands) of contacts: their ``own``, and what they pass on by
+    the impedances of their bodies."""
+    both = own.losses[:, None].repeat(2, axis=1)
+    bands = None if own.band_gains is None else own.band_gains[:, None].repeat(2, axis=1)
     unlike, passed = passed_by_bodies(table.bodies, contacts, frames)
     if len(unlike):
         most = np.maximum(passed.max(axis=2), np.finfo(np.float64).tiny)
         both[unlike] -= np.log(most)
         bands = np.ones((len(contacts), 2, BAND_COUNT)) if bands is None else bands
         bands[unlike] *= passed / most[:, :, None]
-    return both, bands, delay
+    return both, bands
 
 
 def _transmission_gains(

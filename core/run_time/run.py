@@ -266,7 +266,7 @@ class Run:
             raise ValueError("no step was followed since the last answer")
         result = self._tracer.step(frame)
         self._history.feed(result)
-        return answer(result, self._history, frame.names, self._time)
+        return answer(result, self._history, frame.objects, self._time)
 
     def play(self, source: str) -> None:
         """Play the signal of a source with triggers once, from the last step on. Raises

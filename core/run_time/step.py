@@ -13,6 +13,7 @@ from ..message import sentence
 from ..render.frame_result import FrameResult
 from ..render.history import History, lasts, still_samples
 from ..render.levels import LEVEL_SECONDS, finite, level_and_margin
+from ..scene.values import HapticObject
 
 
 @frozen
@@ -69,9 +70,11 @@ class Step:
         )
 
 
-def answer(result: FrameResult, history: History, names: Sequence[str], time: float) -> Step:
-    """The answer of a traced frame, whose samples are the last of the ``history``; ``names``: of
-    the objects that its impacts number; ``time``: of its end by the caller's clock [s].
+def answer(
+    result: FrameResult, history: History, objects: Sequence[HapticObject], time: float
+) -> Step:
+    """The answer of a traced frame, whose samples are the last of the ``history``; ``objects``:
+    that its impacts number; ``time``: of its end by the caller's clock [s].
 
     Levels are those of the last quarter second; where there are fewer samples since the beginning,
     those of the frame as if it lasted.
@@ -99,7 +102,7 @@ def answer(result: FrameResult, history: History, names: Sequence[str], time: fl
             for k, name in enumerate(listeners)
         },
         impacts=tuple(
-            _blow(result, impact, first + k, names, time - result.time)
+            _blow(result, impact, first + k, objects, time - result.time)
             for k, impact in enumerate(result.impacts)
         ),
         block=np.zeros((len(listeners), 0)) if result.block is None else result.block,
@@ -111,7 +114,7 @@ def answer(result: FrameResult, history: History, names: Sequence[str], time: fl
 
 
 def _blow(
-    result: FrameResult, impact: Impact, row: int, names: Sequence[str], first: float
+    result: FrameResult, impact: Impact, row: int, objects: Sequence[HapticObject], first: float
 ) -> Blow:
     """An impact.
 
@@ -119,13 +122,13 @@ def _blow(
         result: of the frame.
         impact: one of its impacts.
         row: the number of its source.
-        names: of the objects that impacts number.
+        objects: that impacts number.
         first: time of the caller's clock from which times are counted [s].
     """
     one, other = impact.objects
     return Blow(
         time=first + impact.time,
-        objects=(names[one], names[other]),
+        objects=(objects[one].name, objects[other].name),
         position=impact.positions[0],
         energy=impact.energy,
         amplitude=result.sources[row].amplitude,
