@@ -143,9 +143,24 @@ def _origin(scene: Scene, level: levels.Level) -> tuple[str, ...]:
     if path is None or path.value is None or path.value.fall.listener != level.listener:
         return ()
     fall = path.value.fall
-    origin = ui_text("From {}", source_title(fall.source, 0.7))
+    name = source_title(fall.source, 0.7)
+    if _is_estimated(scene, fall.source.name):
+        name = ui_text("{} (estimated)", name)
+    origin = ui_text("From {}", name)
     hops = [hop.object for hop in fall.hops if hop.object != fall.source.name]
     return (origin, ui_text("through {}", written(Chain(hops)))) if hops else (origin,)
+
+
+def _is_estimated(scene: Scene, source: str) -> bool:
+    """Whether a source of the shown frame is a blow that other poses between frames would
+    change."""
+    own, shown = sessions.known(scene), sessions.shown(scene)
+    if own is None or shown is None:
+        return False
+    kept = own.tracer.collisions.stored.of(shown.result.number)
+    return kept is not None and any(
+        item.impact.estimated and item.source.name == source for item in kept.impacts
+    )
 
 
 def _urgent(scene: Scene, is_answered: bool) -> _Cause | None:

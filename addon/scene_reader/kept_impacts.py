@@ -92,14 +92,14 @@ def _with_floats(value: Any) -> Any:
     """A JSON value with floats for integers and tuples for lists, at any depth."""
     if isinstance(value, list):
         return tuple(map(_with_floats, value))
-    return float(value) if isinstance(value, int) else value
+    return float(value) if type(value) is int else value
 
 
 def _sounding(item: JsonObject, row: dict[str, int]) -> ActiveImpact:
     first, second = item["objects"]
     values = {
         key: _with_floats(item[key])
-        for key in ("time", "positions", "normal", "energy", "amplitude")
+        for key in ("time", "positions", "normal", "energy", "amplitude", "estimated")
     }
     on_first, on_second = (np.array(place, dtype=np.float64) for place in item["local"])
     return ActiveImpact.of(

@@ -42,7 +42,8 @@ the hit."""
 class Impact:
     """Two bodies (numbers, smaller first) that begin to touch at ``time`` [s]: ``positions`` of the
     contact node on either body [m, world], unit ``normal`` from first to second, ``energy`` [J],
-    ``amplitude`` = min(energy / E_max, 1)."""
+    ``amplitude`` = min(energy / E_max, 1). ``estimated``: by poses at frames alone of what is moved
+    by something else than physics."""
 
     objects: tuple[int, int]
     time: float
@@ -50,6 +51,7 @@ class Impact:
     normal: tuple[float, float, float]
     energy: float
     amplitude: float
+    estimated: bool = False
 
 
 @frozen
@@ -123,7 +125,9 @@ class Hits:
             *(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self))
         )
 
-    def impact(self, k: int, time: float, energy: float, full_energy: float) -> Impact:
+    def impact(
+        self, k: int, time: float, energy: float, full_energy: float, estimated: bool
+    ) -> Impact:
         """Hit number ``k`` at ``time`` [s] with ``energy`` [J]; ``full_energy`` [J] gives amplitude
         1."""
         gap = self.normal[k] * (self.distance[k] / 2)
@@ -140,6 +144,7 @@ class Hits:
             (nx, ny, nz),
             energy,
             min(energy / full_energy, 1.0),
+            estimated,
         )
 
 

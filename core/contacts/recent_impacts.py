@@ -57,6 +57,7 @@ class RecentImpacts:
         hits: Hits,
         begin: float,
         struck: BoolArray,
+        estimated: BoolArray,
         bodies: Sequence[Body],
         table: BodyTable,
     ) -> tuple[Impact, ...]:
@@ -67,6 +68,7 @@ class RecentImpacts:
             begin: of that interval [s].
             struck: whether the pair has not parted since its last impact (k,). Such a pair, and any
                 within its refractory time, makes another one only by a clearly stronger hit.
+            estimated: as of `Impact` (k,).
             bodies: by number.
             table: of the bodies.
         """
@@ -87,5 +89,5 @@ class RecentImpacts:
                 continue
             self._last[keys[k]] = when, float(hits.approach[k])
             full = limits.full_energy or table.full_energy
-            impacts.append(hits.impact(k, when, float(energies[k]), full))
+            impacts.append(hits.impact(k, when, float(energies[k]), full, bool(estimated[k])))
         return tuple(impacts)

@@ -407,10 +407,13 @@ class ContactTracker:
             if known is not None:
                 hits = exactly.joined(known.landed(hits))
                 struck = struck[~among(struck, keys)]
+            pairs_hit = table.keys(hits.pairs)
+            moved = self._history.moving() & ~table.dynamic
             impacts = self._recent.of(
                 hits,
                 self._history.times[-1] - search.paths.duration,
-                among(table.keys(hits.pairs), struck),
+                among(pairs_hit, struck),
+                moved[hits.pairs].any(axis=1) & ~among(pairs_hit, keys),
                 self.bodies,
                 table,
             )

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
+from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.panels import cures, hints, listener, object, scene, source, texts
 from haptic_tracing.core.message import Cause, Message
@@ -94,6 +95,33 @@ def test_the_main_panel_begins_with_the_answer(scene, add_box, add_empty, settle
     assert labels[0] == "hand"
     assert labels[1].startswith("Felt: +")
     assert labels[2:4] == ["From drill", "through ground"]
+
+
+@pytest.mark.parametrize("constrained", [False, True])
+def test_the_answer_says_that_a_blow_is_estimated_where_no_curve_tells_of_it(
+    scene, add_box, add_empty, settle, constrained
+):
+    bpy.ops.rigidbody.world_add()
+    ground = add_box("ground", (0, 0, -0.5), (4, 4, 1), body="PASSIVE")
+    add_empty("foot", (0, 0, 0), ground).haptics.listener.enabled = True
+    bpy.context.view_layer.objects.active = bpy.data.objects["foot"]
+    crate = add_box("crate", (0, 0, 0.5), (1, 1, 1), body="ACTIVE", mass=20.0)
+    crate.rigid_body.kinematic = True
+    moved = crate
+    if constrained:
+        moved = add_empty("rail", (0, 0, 0), None)
+        crate.constraints.new("COPY_LOCATION").target = moved
+    for frame, place in ((1, 2.0), (9.5, 0.5)):
+        moved.location = (0, 0, place)
+        moved.keyframe_insert("location", frame=frame)
+    for curve in compatibility.fcurves_of(moved):
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+    for frame in range(1, 11):
+        scene.frame_set(frame)
+    words = " ".join(settle(lambda: drawn(globals()["scene_panel"])).labels)
+    assert "From crate \N{MULTIPLICATION SIGN} ground" in words
+    assert ("(estimated)" in words) == constrained
 
 
 def test_the_answer_says_why_nothing_is_felt_with_the_cure_beside_it(

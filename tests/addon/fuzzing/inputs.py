@@ -230,7 +230,7 @@ STORED: Mapping[str, tuple[Callable[[str], Any], tuple[dict[str, Any], ...]]] = 
                 "impacts": [
                     {
                         "objects": ["a", "b"], "time": 0.1, "positions": [[0, 0, 0], [0, 0, 0]], "normal": [0, 0, 1], "energy": 1,
-                        "amplitude": 0.5, "local": [[0, 0, 0], [0, 0, 0]], "poses": [[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]] * 2,
+                        "amplitude": 0.5, "estimated": True, "local": [[0, 0, 0], [0, 0, 0]], "poses": [[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]] * 2,
                     }
                 ],
             },
