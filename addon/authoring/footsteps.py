@@ -1,19 +1,14 @@
-"""The soles with which a character strikes what it walks on, and the meshes under its feet."""
+"""What steps of a character are felt with: its skins, their rule, and the meshes under its feet."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-import bmesh
-import bpy
 import numpy as np
-from bpy.types import Collection, Object, Scene
-from mathutils import Matrix
+from bpy.types import Object, Scene
 
-from ..blender.polling import receiving
+from ...core.scene.body import GENTLEST_STEP
 from ..blender.units import metres_per_unit
-from ..blender.words import report_text
 from ..changes.suspension import suspended
 from . import body_kit
 
@@ -21,51 +16,27 @@ _REACH = 0.25
 """Distance [m] of a foot's listener from what it stands on."""
 _FRAMES = 32
 """Frames of the scene in which feet are looked at."""
-STRIKING = 0.063 * 70.0
-"""Mass [kg] that a heel strikes with: 6.3 % of a body's (Chi and Schmitt, J. Biomechanics 2005)."""
-_FULL_ENERGY = 0.9
-"""Energy [J] of steps of full strength: the middle of 0.2 to 4 J (ibid.)."""
-_THICKNESS = 0.02
-"""Of a sole [m]."""
 
 
-def add_sole(foot: Object, skin: Object, collection: Collection) -> Object:
-    """Add a box under what the bone of a ``foot``'s listener moves of a ``skin``, parented to that
-    bone. Raises ValueError if it moves nothing."""
-    armature: Any = foot.parent
-    bone = foot.parent_bone
-    group = skin.vertex_groups.get(bone)
-    own = [
-        vertex.co[:]
-        for vertex in skin.data.vertices
-        if group is not None
-        and any(item.group == group.index and item.weight > 0.5 for item in vertex.groups)
-    ]
-    if not own:
-        raise ValueError(report_text("'{}' has no vertices of the bone '{}'", skin.name, bone))
-    to_rest = np.array(armature.matrix_world.inverted_safe() @ skin.matrix_world)
-    points = np.array(own) @ to_rest[:3, :3].T + to_rest[:3, 3]
-    low, high = points.min(axis=0), points.max(axis=0)
-    high[2] = low[2] + _THICKNESS / metres_per_unit(foot.users_scene[0])
-    name = f"{armature.name} sole.{bone}"
-    mesh, box = bpy.data.meshes.new(name), bmesh.new()
-    bmesh.ops.create_cube(box, size=1.0, matrix=Matrix.Diagonal((*(high - low), 1.0)))
-    box.to_mesh(mesh)
-    box.free()
-    sole = bpy.data.objects.new(name, mesh)
-    receiving(collection).objects.link(sole)
-    sole.display_type, sole.hide_render = "BOUNDS", True
-    sole.parent, sole.parent_type, sole.parent_bone = armature, "BONE", bone
-    moved = armature.pose.bones[bone].matrix @ armature.data.bones[bone].matrix_local.inverted()
-    sole.matrix_world = armature.matrix_world @ moved @ Matrix.Translation((low + high) / 2)
-    return sole
+def with_feet(skins: Sequence[Object], feet: Sequence[Object]) -> list[Object]:
+    """The skins of which the bones of the listeners of ``feet`` move vertices."""
+    bones = {foot.parent_bone for foot in feet}
+    found = []
+    for skin in skins:
+        groups = {group.index for group in skin.vertex_groups if group.name in bones}
+        entries = (entry for vertex in skin.data.vertices for entry in vertex.groups)
+        if groups and any(entry.group in groups and entry.weight > 0.5 for entry in entries):
+            found.append(skin)
+    return found
 
 
-def add_rule(scene: Scene, armature: Object) -> None:
-    """Let the soles of a character strike with the energies of steps."""
-    rule = scene.haptics.impact_table.items.add()
-    rule.first_kind, rule.first = "OBJECT", f"{armature.name} sole.*"
-    rule.full_energy = _FULL_ENERGY
+def add_rule(scene: Scene, skin: Object) -> None:
+    """Let the gentlest steps of people on a skin's feet be felt at full strength."""
+    table = scene.haptics.impact_table.items
+    if all(rule.first != skin.name for rule in table):
+        rule = table.add()
+        rule.first_kind, rule.first = "OBJECT", skin.name
+        rule.full_energy = GENTLEST_STEP
 
 
 def ground_of(scene: Scene, armature: Object, feet: Sequence[Object]) -> list[Object]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import bpy
 from bpy.types import Context, Object
 
@@ -13,9 +11,10 @@ from ..authoring import body_kit, footsteps, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, Edit, OnActive, editable, is_editable
 from ..blender.words import TranslatedError
 from ..properties.kinds import choice, text
+from ..scene_reader.bone_parts import armature_of as moved_by
 from ..scene_reader.roles import haptic_carrier
 from .materials import BODY_ITEMS
-from .tagging import add_physics, make_haptic
+from .tagging import make_haptic
 
 _PARTS = {"DEFAULT": DEFAULT_LISTENERS, "PAPER": PAPER_LISTENERS, "ALL": tuple(BODY_PART)}
 
@@ -129,17 +128,14 @@ class HAPTIC_OT_add_footsteps(Edit):
         feet = [known[name] for name in ("foot.L", "foot.R") if name in known]
         if not feet:
             raise TranslatedError("'{}' has no bones of feet", armature.name)
-        skins = [skin for skin in body_kit.skins(armature) if skin.data.vertices]
+        skins = footsteps.with_feet(editable(body_kit.skins(armature)), feet)
         if not skins:
-            raise TranslatedError("'{}' moves no mesh", armature.name)
-        if not any(child.rigid_body for child in armature.children):
-            soles = [footsteps.add_sole(foot, skins[0], context.collection) for foot in feet]
-            materials.make_haptic(scene, dict.fromkeys(soles, MATERIALS["flesh"]))
-            add_physics(context, soles, footsteps.STRIKING)
-            for sole in soles:
-                moved: Any = sole.rigid_body
-                moved.kinematic = True
-            footsteps.add_rule(scene, armature)
+            raise TranslatedError("'{}' moves no mesh with its feet", armature.name)
+        for skin in skins:
+            footsteps.add_rule(scene, skin)
+            if moved_by(skin) is None:
+                self.warn("'{}' has modifiers beside its armature: apply them first", skin.name)
+        make_haptic(scene, skins)
         scene.haptics.impacts = True
         ground = footsteps.ground_of(scene, armature, feet)
         make_haptic(scene, editable(ground))

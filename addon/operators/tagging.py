@@ -95,9 +95,8 @@ class HAPTIC_OT_make_objects(OnSelected):
             self.tell(words, len(solid), known)
 
 
-def add_physics(context: Context, objects: list[Object], mass: float = 0.0) -> None:
-    """Add rigid bodies to meshes without one: active ones of a ``mass`` [kg]; where that is 0, of
-    1 kg, and wide and flat ones passive."""
+def add_physics(context: Context, objects: list[Object]) -> None:
+    """Add rigid bodies of 1 kg to meshes without one: wide and flat ones are passive."""
     new = [obj for obj in objects if obj.rigid_body is None and obj.type == "MESH"]
     if not new:
         return
@@ -114,9 +113,9 @@ def add_physics(context: Context, objects: list[Object], mass: float = 0.0) -> N
         if obj.rigid_body is None:
             world.collection.objects.link(obj)
         body: Any = obj.rigid_body
-        is_floor = not mass and is_wide_and_flat(tuple(obj.dimensions * metres))
+        is_floor = is_wide_and_flat(tuple(obj.dimensions * metres))
         body.type = "PASSIVE" if is_floor else "ACTIVE"
-        body.mass = (mass or 1.0) * metres**-3
+        body.mass = metres**-3
 
 
 class HAPTIC_OT_add_source(OnActive):

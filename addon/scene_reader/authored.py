@@ -107,7 +107,7 @@ class Authored:
         for row, surface in surfaces.items():
             item = self.records[row].object
             assert item is not None
-            body = Body.of(item, surface.shape)
+            body = Body.of(item, surface.shape, surface.limbs)
             reshaped[row] = replace(self.records[row], body=body, surface=surface)
         self.records |= reshaped
         return reshaped
@@ -149,7 +149,7 @@ class Authored:
             try:
                 surface = self._shapes.of(obj, changes, stretch)
                 item = read_object(now, changes.scene)
-                body = Body.of(item, surface.shape)
+                body = Body.of(item, surface.shape, surface.limbs)
             except ValueError as error:
                 if obj.session_uid not in self._instances.instancers:
                     problems.append(Problem(obj.name_full, str(error)))

@@ -18,6 +18,8 @@ from ...core.contacts.hull import convex_hull
 from ...core.contacts.shapes import Compound, ConvexHull, Shape, quaternions
 from ...core.contacts.surface_shape import hull_deviation
 from ...core.frozen import frozen
+from ...core.scene.body import heel_mass
+from ...core.scene.skeleton import part_in
 from ...core.scene.values import Pose
 from ..blender.arrays import read_array
 from ..blender.units import metres_per_unit
@@ -44,14 +46,15 @@ class BoneParts:
     """The parts of a mesh at rest, in the object's frame with its scale in them: ``points`` (n, 3)
     of its vertices and the number (n,) of the part of each, the hulls of the parts as the
     ``shape``, and by part the number of the bone in the pose, -1 for what no bone moves, and the
-    inverse (4, 4) of its matrix at rest. ``concavity`` [m]: how far the hulls are beside the
-    surface."""
+    inverse (4, 4) of its matrix at rest. ``limbs`` as in `Body`. ``concavity`` [m]: how far the
+    hulls are beside the surface."""
 
     points: FloatArray
     of: IntArray
     shape: Compound
     bones: IntArray
     inverse_rest: FloatArray
+    limbs: tuple[float, ...]
     concavity: float
 
     def motions(self, obj: Object, armature: Object, depsgraph: Depsgraph) -> FloatArray:
@@ -162,7 +165,18 @@ def parts_at_rest(obj: Object, armature: Object, stretch: FloatArray) -> BonePar
     data = [armature.data.bones.find(bone.name) for bone in armature.pose.bones]
     inverse = np.linalg.inv(rest.transpose(0, 2, 1).astype(np.float64))[np.array(data)[bones]]
     shape = Compound.of((hull, Pose()) for hull in hulls)
-    return BoneParts(points, of, shape, bones, inverse, max(deviations))
+    heel = heel_mass(_height(obj, armature, stretch))
+    names = [armature.pose.bones[bone].name if bone >= 0 else "" for bone in bones.tolist()]
+    limbs = tuple(heel if part_in(name) == "foot" else 0.0 for name in names)
+    return BoneParts(points, of, shape, bones, inverse, limbs, max(deviations))
+
+
+def _height(obj: Object, armature: Object, stretch: FloatArray) -> float:
+    """The largest extent [m] of the bones at rest that deform a mesh."""
+    bones = [bone for bone in armature.data.bones if bone.use_deform]
+    to_object = obj.matrix_world.inverted_safe() @ armature.matrix_world
+    ends = [to_object @ end for bone in bones for end in (bone.head_local, bone.tail_local)]
+    return float(np.ptp(apply_stretch(np.array(ends), stretch), axis=0).max())
 
 
 def _strongest(mesh: Mesh, bone_of: dict[int, int]) -> IntArray:

@@ -174,7 +174,7 @@ class Shapes:
             if surface is None or moved > (0.0 if changes.exact else STILL):
                 motions = now
                 deviation = 0.0 if surface is None else surface.deviation
-                surface = SurfaceShape(parts.posed(now), deviation)
+                surface = SurfaceShape(parts.posed(now), deviation, parts.limbs)
             if changes.is_whole:
                 deviation = parts.deviation(motions, obj, depsgraph, stretch)
                 surface = replace(surface, deviation=deviation)

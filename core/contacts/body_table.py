@@ -13,7 +13,7 @@ from ..scene.rules import full_energy_of
 from .narrow.frames import turned
 from .narrow.narrow_phase import NarrowPhase
 from .settings import Body, Motion
-from .shapes import Compound
+from .shapes import Compound, Shape
 from .time_of_impact import TimeOfImpact
 
 STILL = 1e-5
@@ -44,6 +44,7 @@ class BodyTable:
         medium: (n,) which bodies are volumes of air or water.
         layers: (n,) in which bodies are struck, see `Body.struck_in`.
         passing: (q,) keys of the pairs that pass through each other, ascending.
+        limbs: by number of a skin that of its first part in ``narrow``, where parts follow bodies.
         narrow, time_of_impact: queries between the bodies.
     """
 
@@ -64,6 +65,14 @@ class BodyTable:
         self.dynamic = np.array([body.motion is Motion.DYNAMIC for body in bodies], dtype=np.bool_)
         self.medium = np.array([body.medium for body in bodies], dtype=np.bool_)
         static = np.array([body.motion is Motion.STATIC for body in bodies], dtype=np.bool_)
+        self.limbs: dict[int, int] = {}
+        limbs = list[Shape]()
+        for row, body in enumerate(bodies):
+            shape = body.shape
+            if body.limbs and isinstance(shape, Compound) and body.motion is not Motion.DYNAMIC:
+                self.limbs[row] = count + len(limbs)
+                limbs += shape.parts
+                self.mass[row] = 0.0
         self.movable = (self.mass > 0) & ~static & ~self.medium
         self.full_energy = full_energy_of(self.mass[self.movable].tolist())
         self.layers = np.array([body.struck_in for body in bodies], dtype=np.int64)
@@ -71,8 +80,8 @@ class BodyTable:
         pairs = [[number[one], number[two]] for one, two in passing if {one, two} <= number.keys()]
         self.passing = np.sort(self.keys(np.sort(np.array(pairs, dtype=np.int64).reshape(-1, 2))))
         self.narrow: NarrowPhase = NarrowPhase(
-            shapes,
-            self.medium.tolist(),
+            shapes + limbs,
+            self.medium.tolist() + [False] * len(limbs),
             None if before is None else before.narrow,
         )
         self.time_of_impact = TimeOfImpact(self.narrow, local)

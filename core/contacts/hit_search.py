@@ -18,7 +18,7 @@ from .near_pairs import NearPairs
 from .settings import ContactSettings
 from .time_of_impact import Meetings
 
-_TOGETHER = 0.9
+TOGETHER = 0.9
 """Part of the speed of a pair's fastest point from which on others land with it."""
 
 PRESSING_DISTANCE = 2e-3
@@ -161,7 +161,7 @@ class HitSearch:
             table.keys(hits.pairs[order]), return_index=True, return_inverse=True
         )
         fastest = hits.chosen(order[first])
-        with_it = (hits.approach[order] >= _TOGETHER * fastest.approach[pair]).nonzero()[0]
+        with_it = (hits.approach[order] >= TOGETHER * fastest.approach[pair]).nonzero()[0]
         centre = added_by(pair[with_it], hits.centre[order[with_it]].T, len(first))
         count = np.bincount(pair[with_it], minlength=len(first))
         return replace(fastest, centre=(centre / count).T)

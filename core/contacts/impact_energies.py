@@ -33,22 +33,49 @@ def _energy(
     total = 0.0
     normal = hits.normal[k]
     for side, number in enumerate(hits.pairs[k].tolist()):
+        pose, spin, velocity = hits.poses[k, side], hits.spins[k, side], hits.velocities[k, side]
         mass = float(table.mass[number])
-        if not mass:
-            continue
-        inertia = inertia_of(bodies[number].shape)
-        turn = hits.poses[k, side, :9].reshape(3, 3)
-        centre = turn @ inertia.centre
-        moment = turn @ inertia.moment @ turn.T
         if kind is ImpactEnergy.EFFECTIVE:
-            if table.movable[number]:
-                arm = hits.centre[k] - hits.poses[k, side, 9:] - centre
-                twist = np.cross(arm, normal)
-                total += float(1.0 + twist @ np.linalg.pinv(moment, hermitian=True) @ twist) / mass
-        else:
-            spin = hits.spins[k, side]
-            velocity = hits.velocities[k, side] + np.cross(spin, centre)
+            moves = bool(spin.any() or velocity.any())
+            total += inverse_mass(
+                bodies[number], bool(table.movable[number]), moves, pose, hits.centre[k], normal
+            )
+        elif mass:
+            inertia = inertia_of(bodies[number].shape)
+            turn = pose[:9].reshape(3, 3)
+            velocity = velocity + np.cross(spin, turn @ inertia.centre)
+            moment = turn @ inertia.moment @ turn.T
             total += mass * float(velocity @ velocity + spin @ moment @ spin) / 2
     if kind is ImpactEnergy.AS_IN_THE_PAPER:
         return total
     return float(hits.approach[k]) ** 2 / (2 * total) if total else 0.0
+
+
+def inverse_mass(
+    body: Body,
+    is_movable: bool,
+    moves: bool,
+    pose: FloatArray,
+    centre: FloatArray,
+    normal: FloatArray,
+) -> float:
+    """``1/m + (r x n) I^-1 (r x n)`` of a body [1/kg], 0 if it can't be moved.
+
+    Args:
+        body: the body.
+        is_movable: whether it yields with the mass that it has.
+        moves: whether it moves; what animation moves yields with the mass of its volume, where it
+            has none. What stands may be a part of a building.
+        pose: of it (12,).
+        centre: of the contact (3,) [m].
+        normal: of the contact (3,).
+    """
+    weighed = moves and body.is_weighed_by_volume
+    if not (is_movable or weighed):
+        return 0.0
+    inertia = inertia_of(body.shape)
+    mass = (body.mass or 0.0) if is_movable else inertia.volume * body.density
+    turn = pose[:9].reshape(3, 3)
+    twist = np.cross(centre - pose[9:] - turn @ inertia.centre, normal)
+    moment = turn @ inertia.moment @ turn.T
+    return float(1.0 + twist @ np.linalg.pinv(moment, hermitian=True) @ twist) / mass

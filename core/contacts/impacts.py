@@ -130,22 +130,34 @@ class Hits:
     ) -> Impact:
         """Hit number ``k`` at ``time`` [s] with ``energy`` [J]; ``full_energy`` [J] gives amplitude
         1."""
-        gap = self.normal[k] * (self.distance[k] / 2)
-        a, b = self.pairs[k].tolist()
-        (ax, ay, az), (bx, by, bz) = (
-            (self.centre[k] - gap).tolist(),
-            (self.centre[k] + gap).tolist(),
-        )
-        nx, ny, nz = self.normal[k].tolist()
-        return Impact(
-            (a, b),
-            time,
-            ((ax, ay, az), (bx, by, bz)),
-            (nx, ny, nz),
-            energy,
-            min(energy / full_energy, 1.0),
-            estimated,
-        )
+        first, second = self.pairs[k].tolist()
+        place = self.centre[k], self.normal[k], float(self.distance[k])
+        return impact_at((first, second), time, place, energy, full_energy, estimated)
+
+
+def impact_at(
+    objects: tuple[int, int],
+    time: float,
+    place: tuple[FloatArray, FloatArray, float],
+    energy: float,
+    full_energy: float,
+    estimated: bool,
+) -> Impact:
+    """The impact of two ``objects`` at ``time`` [s] with ``energy`` [J], of which ``full_energy``
+    gives amplitude 1. ``place``: its centre (3,), normal (3,) and distance [m]."""
+    centre, normal, distance = place
+    gap = normal * (distance / 2)
+    (ax, ay, az), (bx, by, bz) = (centre - gap).tolist(), (centre + gap).tolist()
+    nx, ny, nz = normal.tolist()
+    return Impact(
+        objects,
+        time,
+        ((ax, ay, az), (bx, by, bz)),
+        (nx, ny, nz),
+        energy,
+        min(energy / full_energy, 1.0),
+        estimated,
+    )
 
 
 def landings(

@@ -233,6 +233,11 @@ class MotionHistory:
         return np.array(self.times), *self._poses, np.stack([self.moving(), *counts]), hit_time
 
     @property
+    def poses(self) -> Sequence[FloatArray]:
+        """Poses (12, n) in the last frames, at most four."""
+        return self._poses
+
+    @property
     def last_poses(self) -> FloatArray:
         """Poses (12, n) in the last frame but one."""
         return self._poses[-2]
@@ -472,6 +477,26 @@ def _comes_to_rest(first: FloatArray, chord: FloatArray, direct: FloatArray) -> 
     one, two, three = (np.sqrt(_squared(velocity)) for velocity in (first, chord, direct))
     brakes = (two < (1 - _STEADY) * one) & (three < (1 - _STEADY) * two)
     return brakes & (three <= 2 * (two - three))
+
+
+def approach(gaps: FloatArray, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Speeds [m/s] at which points (n,) come to touch what they are apart from by ``gaps`` (k, n)
+    [m] in the last frames, at least four, and when they do so, from the start of the last interval
+    [s]. What comes to rest there has no speed; what is stopped has that of the interval before.
+    ``steps`` (k - 1,): of the frames [s]."""
+    one, two, three = (-np.diff(gaps, axis=0) / steps[:, None])[-3:]
+    step = steps[-1]
+    trend = np.where(one > two / 4, two - one, 0.0)  # what has just begun to move has none
+    stopped = (two > _SLOW) & (three - two - trend < -_STOPPED * two) & (trend >= -_STEADY * two)
+    gain = np.where(stopped, trend, three - two)
+    begin = np.where(stopped, two, three) + np.where(stopped, gain, -gain) / 2
+    root = begin**2 + 2 * gain / step * gaps[-2]
+    reaches = (root >= 0) & (begin + np.sqrt(root.clip(0)) > 0)
+    after = np.where(reaches, 2 * gaps[-2] / (begin + np.sqrt(root.clip(0))).clip(1e-9), step)
+    after = after.clip(0, step)
+    brakes = (two < (1 - _STEADY) * one) & (three < (1 - _STEADY) * two)
+    rests = brakes & (three <= 2 * (two - three))
+    return np.where(rests, 0.0, begin + gain * after / step), after
 
 
 def _travels(start: FloatArray, end: FloatArray, time: float) -> FloatArray:

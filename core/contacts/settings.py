@@ -17,7 +17,10 @@ from .shapes import Shape
 class Body:
     """An object for the tracker. ``mass`` in kg, None if it has none. ``medium``: a volume (air,
     water) that touches what it overlaps; a mesh then stands for its hull. ``material``: its name in
-    tables of rules. ``layers``: of collision, as bits."""
+    tables of rules. ``layers``: of collision, as bits. What animation moves without a mass strikes
+    with that of its volume, by its ``density`` [kg/m^3], 0 if that is unknown. ``limbs``: of a
+    compound whose parts bones move the masses [kg] with which these strike, 0 for that of their
+    volume."""
 
     name: str
     shape: Shape
@@ -26,12 +29,22 @@ class Body:
     medium: bool = False
     material: str = ""
     layers: int = ALL_LAYERS
+    density: float = 0.0
+    limbs: tuple[float, ...] = ()
 
     @classmethod
-    def of(cls, item: HapticObject, shape: Shape) -> Body:
+    def of(cls, item: HapticObject, shape: Shape, limbs: tuple[float, ...] = ()) -> Body:
         """A haptic object with the shape that it has now."""
         named = item.name, shape, item.mass, item.motion, item.medium, item.material
-        return cls(*named, item.layers)
+        animated = item.mass is None and item.motion is Motion.KINEMATIC and not item.medium
+        density = getattr(item.propagation, "density", 0.0) if animated or limbs else 0.0
+        return cls(*named, item.layers, density, limbs)
+
+    @property
+    def is_weighed_by_volume(self) -> bool:
+        """Whether it is moved by animation without a mass of its own."""
+        animated = self.motion is Motion.KINEMATIC and self.mass is None
+        return animated and self.density > 0 and not self.limbs
 
     @property
     def struck_in(self) -> int:

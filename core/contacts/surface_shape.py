@@ -41,10 +41,11 @@ class Surface(Enum):
 @frozen
 class SurfaceShape:
     """A shape, and how far the convex hull is from the surface [m], a lower bound where that has
-    very many triangles."""
+    very many triangles; ``limbs`` as in `Body`."""
 
     shape: Shape
     deviation: float = 0.0
+    limbs: tuple[float, ...] = ()
 
 
 def surface_shape(

@@ -20,12 +20,13 @@ from .contact_set import ContactSet
 from .hit_search import PRESSING_DISTANCE, HitSearch
 from .impacts import Hits, Impact
 from .known_motion import KnownHits, KnownMotion, Samples
+from .limbs import Limbs
 from .motion import HITCH, PAUSE, MotionHistory
 from .narrow.body_patches import PairPatches
 from .narrow.frames import relative_pose, turned, turned_back, upwards
 from .near_pairs import NearPairs
 from .recent_impacts import RecentImpacts
-from .settings import Body, ContactSettings
+from .settings import Body, ContactSettings, ImpactEnergy
 from .striking import Striking
 from .time_of_impact import Meetings
 
@@ -123,6 +124,7 @@ class ContactTracker:
         self._near = NearPairs(count)
         self._pairs = Candidates.of(none, none, none)
         self._recent = RecentImpacts(self.settings)
+        self._limbs = Limbs(self.settings)
         self._airborne = self._table.dynamic.copy()
         self._new = np.ones(count, dtype=np.bool_)  # bodies without an update so far
         self._queries, self._begun = 0, 0.0
@@ -142,7 +144,8 @@ class ContactTracker:
             pairs.values[:, touching],
         )
         recent = self._recent.history(time)
-        return *self._history.history(), *pair_state, self._airborne, recent
+        limbs = self._limbs.history()
+        return *self._history.history(), *pair_state, self._airborne, recent, *limbs
 
     def replace_bodies(self, bodies: Sequence[Body], anew: frozenset[str] = frozenset()) -> None:
         """Replace the list of bodies, or shapes and masses of some. A body whose name was in the
@@ -268,7 +271,7 @@ class ContactTracker:
             if self._examine_last_frame(late.nonzero()[0]):
                 search = self._near_pairs(moved, impacts, samples)
         known = None if search is None or samples is None else KnownHits(search, samples)
-        result = self._contacts(endpoints, striking, search, known, warnings, exact)
+        result = self._contacts(endpoints, striking, search, known, warnings, exact, impacts)
         if not impacts:
             self._pairs.struck |= self._pairs.touching
         self._last, self._last_endpoints = result, endpoints
@@ -281,6 +284,7 @@ class ContactTracker:
         columns, moved, left, lost = self._poses.place(self._table, transforms, self._grow)
         self._history.advance(time, columns, left)
         self._history.disturb(lost)
+        self._limbs.follow(self.bodies, self._table, transforms, self._new)
         names = [self.bodies[k].name for k in lost.tolist()]
         return moved, tuple(
             Message.of(Cause.TRANSFORM_NOT_FINITE, name, object=name) for name in names
@@ -356,6 +360,7 @@ class ContactTracker:
         known: KnownHits | None,
         warnings: tuple[Message, ...],
         exact: bool,
+        limbs: bool,
     ) -> FrameContacts:
         """The contacts of this frame.
 
@@ -366,6 +371,7 @@ class ContactTracker:
             known: the hits of bodies whose motion is known, None without these.
             warnings: about bodies that were left out.
             exact: as in `update`.
+            limbs: whether those of skins strike.
         """
         table = self._table
         old = self._pairs
@@ -384,6 +390,10 @@ class ContactTracker:
             free = search.able[~among(search.keys, struck) & ~among(search.keys, keys)]
             meetings = search.meetings(pairs, free)
             sounding = striking | self._struck_by(search, exactly, meetings)
+        blows = self._of_limbs() if limbs and table.limbs else []
+        if blows:
+            sounding = sounding.copy()
+            sounding[[number for blow in blows for number in blow.objects]] = True
         requested = self._requested(endpoints, sounding)
         examined = requested | fresh
         if endpoints is not None:
@@ -407,6 +417,9 @@ class ContactTracker:
             if known is not None:
                 hits = exactly.joined(known.landed(hits))
                 struck = struck[~among(struck, keys)]
+            if blows:
+                told = np.sort(table.keys(np.array([blow.objects for blow in blows])))
+                hits = hits.chosen(~among(table.keys(hits.pairs), told))
             pairs_hit = table.keys(hits.pairs)
             moved = self._history.moving() & ~table.dynamic
             impacts = self._recent.of(
@@ -418,6 +431,8 @@ class ContactTracker:
                 table,
             )
             warnings += self._uncertain(impacts)
+        if blows:
+            impacts = tuple(sorted([*impacts, *blows], key=lambda each: (each.time, each.objects)))
         pairs.touching &= examined
         pairs.examined = examined
         self._settle(before, distance, impacts)
@@ -434,6 +449,17 @@ class ContactTracker:
             statistics=ContactStatistics(len(pairs.key), self._queries, broad),
             warnings=warnings,
         )
+
+    def _of_limbs(self) -> list[Impact]:
+        """The impacts of the parts of skins since the last frame."""
+        if self.settings.energy is not ImpactEnergy.EFFECTIVE:
+            return []
+        pairs, history = self._pairs, self._history
+        skins = np.zeros(len(self._table), dtype=np.bool_)
+        skins[[*self._table.limbs]] = True
+        rows = (pairs.one_of(skins) & ~among(pairs.key, self._table.passing)).nonzero()[0]
+        several = self.bodies, self._table, pairs.bodies(rows), history.times, history.poses
+        return self._limbs.impacts(*several)
 
     def _struck_by(self, search: HitSearch, exactly: Hits, meetings: Meetings | None) -> BoolArray:
         """Which bodies (n,) may be struck in this interval: those that hit each other ``exactly``,

@@ -76,3 +76,17 @@ def stereo_gains(part: str) -> tuple[float, float]:
     power on the midline or where the part is unknown."""
     side = BODY_PART[part].side if part in BODY_PART else ""
     return {"L": (1.0, 0.0), "R": (0.0, 1.0), "": (math.sqrt(0.5), math.sqrt(0.5))}[side]
+
+
+_HEEL, _MASS, _HEIGHT = 0.063, 73.0, 1.76
+"""Part of a body's mass with which a heel strikes in walking (Chi & Schmitt, J. Biomechanics 2005),
+and mass [kg] and height [m] of the reference adult (ICRP Publication 89, 2002)."""
+
+GENTLEST_STEP = 0.24
+"""Energy [J] of the gentlest heel strikes of people, of 0.24 to 3.99 J (Chi & Schmitt 2005)."""
+
+
+def heel_mass(height: float) -> float:
+    """The mass [kg] with which the heel of a person of this ``height`` [m] strikes, by that of the
+    reference adult at another scale."""
+    return _HEEL * _MASS * (height / _HEIGHT) ** 3

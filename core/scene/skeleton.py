@@ -227,7 +227,7 @@ def part_in(text: str) -> str:
     """The body part, without its side, in an object's name such as "Avatar Upper Arm.L"; the last
     of several; "" for none."""
     words = [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", text)]
-    for pair in zip(reversed(["", *words[:-1]]), reversed(words), strict=True):
+    for pair in zip(reversed(["", *words][:-1]), reversed(words), strict=True):
         for name in ("".join(pair), pair[1]):
             if name in _PART_OF:
                 return _PART_OF[name]

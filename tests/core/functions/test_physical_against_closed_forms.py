@@ -344,6 +344,7 @@ def test_thin_flesh_is_skin():
         ("Foot Toes.L", "toes"),
         ("Mid Foot.R", "midfoot"),
         ("Hammer", ""),
+        ("足 12", ""),
     ],
 )
 def test_parts_by_names(name, part):
