@@ -3,11 +3,8 @@ feels something, and the cause; and the way to it, row by row."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from bpy.types import Context, Scene, UILayout
 
-from ...core.frozen import frozen
 from ...core.message import Cause, Chain, written
 from ..bake import playback, storage
 from ..blender.time import is_playing
@@ -18,43 +15,27 @@ from ..translations.sentences import sentence
 from ..view import doubtful_scale, explanation, levels, paths, watched
 from .cures import draw_cure, draw_remedy
 from .drawing import draw_problems, select_button
-from .hints import next_step, of_units, striking_nothing
+from .hints import Hint, button, next_step, of_units, striking_nothing
 from .quick_start import HAPTIC_PT_quick_start
 from .texts import draw_lines, draw_sentence, fitted, source_title
 
 _CAUSE_LINES = 2
 _WHY_LINES = 14
-_OBJECTS, _NAMES = 0.48, 0.5  # of the width
+_OBJECTS, _NAMES = 0.48, 0.54  # of the width
 _MUCH = 5.0  # milliseconds a frame of reading instances that are worth a notice
-
-
-@frozen
-class _Cause:
-    """Why a listener feels what it feels, or the next step, in ``lines``; ``draw`` draws the button
-    of its remedy."""
-
-    lines: tuple[str, ...] = ()
-    icon: str = "INFO"
-    draw: Callable[[UILayout], object] | None = None
 
 
 def draw_answer(layout: UILayout, context: Context) -> None:
     """Draw verdict and cause, or the next step unless the quick start shows it."""
     level = _watched_level(context.scene)
     cause = _cause(context, level)
-    if level is None and not cause.lines:
+    if level is None and not cause.words:
         return
     column = layout.box().column(align=True)
     if level is not None:
         _draw_verdict(column, level)
     most = _CAUSE_LINES + (level is None)
-    used = len(cause.lines)
-    if used == 1:
-        used = draw_lines(column, cause.lines[0], cause.icon, most)
-    else:
-        for line in cause.lines:
-            show(column, line, "BLANK1")
-    _pad(column, most - used)
+    _pad(column, most - draw_lines(column, cause.words, cause.icon, most))
 
 
 def draw_remedy_of_cause(layout: UILayout, context: Context) -> None:
@@ -64,27 +45,25 @@ def draw_remedy_of_cause(layout: UILayout, context: Context) -> None:
         cause.draw(layout)
 
 
-def _cause(context: Context, level: levels.Level | None) -> _Cause:
-    """What the user should know first."""
+def _cause(context: Context, level: levels.Level | None) -> Hint:
+    """Why a listener feels what it feels, or the next step: what the user should know first."""
     scene = context.scene
     problems = sessions.shown_problems(scene)
     if problems:
-        return _Cause(
-            (problems[0].message,), "ERROR", lambda row: draw_remedy(row, context, problems[0])
-        )
-    found = _urgent(scene, level is not None) or _next_step(context, level) or _notice(scene)
-    if found is not None or level is None:
-        return found or _Cause()
+        words = problems[0].message
+        return Hint(words, "ERROR", lambda row: draw_remedy(row, context, problems[0]))
+    hint = _urgent(scene, level is not None)
+    if hint is None and level is None:
+        hint = next_step(scene)
+        if hint is not None and hint.is_in_quick_start and HAPTIC_PT_quick_start.poll(context):
+            hint = None
+    hint = hint or _notice(scene)
+    if hint is not None or level is None:
+        return hint or Hint()
     if level.is_silent:
         return _silence(context, level.listener)
-    lines = _origin(scene, level)
-    if level.is_felt:
-        return _Cause(lines, "BLANK1")
-
-    def make_felt(row: UILayout) -> None:
-        row.operator("haptic.make_felt", icon="SORT_DESC").listener = level.listener
-
-    return _Cause(lines, "INFO", make_felt)
+    remedy = button("haptic.make_felt", "SORT_DESC", listener=level.listener)
+    return Hint(_origin(scene, level), "BLANK1", None if level.is_felt else remedy)
 
 
 def _pad(layout: UILayout, count: int) -> None:
@@ -98,32 +77,21 @@ def _watched_level(scene: Scene) -> levels.Level | None:
     return next((level for level in watched.levels_of(scene) if level.listener == name), None)
 
 
-def _next_step(context: Context, level: levels.Level | None) -> _Cause | None:
-    """The next step, unless there is a listener or the quick start shows it."""
-    hint = next_step(context.scene) if level is None else None
-    if hint is None or (hint.is_in_quick_start and HAPTIC_PT_quick_start.poll(context)):
-        return None
-    return _Cause((hint.words,), "INFO", hint.draw)
-
-
-def _silence(context: Context, listener: str) -> _Cause:
+def _silence(context: Context, listener: str) -> Hint:
     """The first reason for silence."""
     why = explanation.why_silent(context.scene, listener)
     if not why.is_current:
-        return _Cause((ui_text("Looking for reasons..."),))
+        return Hint(ui_text("Looking for reasons..."))
     if not why.reasons:
-        return _Cause((why.notice,))
+        return Hint(why.notice)
     reason = why.reasons[0]
     lacks_source = any(reason.cause is Cause.NO_SOURCE for reason in why.reasons)
     walker = striking_nothing(context.scene) if lacks_source else None
     if walker is None:
-        return _Cause((sentence(reason),), "INFO", lambda row: draw_cure(row, context, reason))
+        return Hint(sentence(reason), draw=lambda row: draw_cure(row, context, reason))
     armature, words = walker
-
-    def add_footsteps(row: UILayout) -> None:
-        row.operator("haptic.add_footsteps", icon="MOD_DYNAMICPAINT").armature = armature
-
-    return _Cause((words,), "INFO", add_footsteps)
+    footsteps = button("haptic.add_footsteps", "MOD_DYNAMICPAINT", armature=armature)
+    return Hint(words, draw=footsteps)
 
 
 def _draw_verdict(layout: UILayout, level: levels.Level) -> None:
@@ -137,18 +105,19 @@ def _draw_verdict(layout: UILayout, level: levels.Level) -> None:
     show(split, level.verdict())
 
 
-def _origin(scene: Scene, level: levels.Level) -> tuple[str, ...]:
-    """The strongest source and the objects on its path, () while they are not known."""
+def _origin(scene: Scene, level: levels.Level) -> str:
+    """The strongest source and, in a line of their own, the objects on its path; "" while they are
+    not known."""
     path = paths.path_of(scene)
     if path is None or path.value is None or path.value.fall.listener != level.listener:
-        return ()
+        return ""
     fall = path.value.fall
     name = source_title(fall.source, 0.7)
     if _is_estimated(scene, fall.source.name):
         name = ui_text("{} (estimated)", name)
     origin = ui_text("From {}", name)
     hops = [hop.object for hop in fall.hops if hop.object != fall.source.name]
-    return (origin, ui_text("through {}", written(Chain(hops)))) if hops else (origin,)
+    return "\n".join((origin, ui_text("through {}", written(Chain(hops))))) if hops else origin
 
 
 def _is_estimated(scene: Scene, source: str) -> bool:
@@ -163,36 +132,34 @@ def _is_estimated(scene: Scene, source: str) -> bool:
     )
 
 
-def _urgent(scene: Scene, is_answered: bool) -> _Cause | None:
+def _urgent(scene: Scene, is_answered: bool) -> Hint | None:
     """Why the answer is not that of the scene, None if it is."""
     seconds = sessions.seconds_behind(scene)
     if is_answered and not scene.haptics.tracing:
-        words, icon, operator = ui_text("Tracing is switched off"), "ERROR", "haptic.toggle_tracing"
-    elif seconds >= 1 and not is_playing():
-        words, icon = ui_text("Tracing for {:.0f} s...", seconds), "SORTTIME"
-        operator = "haptic.cancel_tracing"
-    elif storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
-        words, icon, operator = ui_text("Baked, out of date"), "ERROR", "haptic.bake"
-    else:
-        return None
-    return _Cause((words,), icon, lambda row: row.operator(operator))
+        return next_step(scene)
+    if seconds >= 1 and not is_playing():
+        words = ui_text("Tracing for {:.0f} s...", seconds)
+        return Hint(words, "SORTTIME", button("haptic.cancel_tracing"))
+    if storage.played_track(scene) is not None and playback.known_stale_reasons(scene):
+        return Hint(ui_text("Baked, out of date"), "ERROR", button("haptic.bake"))
+    return None
 
 
-def _notice(scene: Scene) -> _Cause | None:
+def _notice(scene: Scene) -> Hint | None:
     """The first of what the user should know, None if there is nothing."""
     if handlers.is_new():
-        return _Cause((ui_text("Heard, too: see the speaker below"),), "SPEAKER")
+        return Hint(ui_text("Heard, too: see the speaker below"), "SPEAKER")
     if (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
         words = ui_text("{:,} instances move: {:.0f} ms a frame", *moving)
-        return _Cause((words,), "INFO", lambda row: row.operator("haptic.realize_instances"))
+        return Hint(words, draw=button("haptic.realize_instances"))
     if (units := of_units(scene)) is not None:
-        return _Cause((units.words,), "INFO", units.draw)
+        return units
     if (doubt := doubtful_scale.doubt(scene)) is not None:
         word, size = doubt
         words = ui_text("'{}' of {:.0f} m") if word else ui_text("{1:,} objects, no contact")
         unit_settings = scene.unit_settings
-        return _Cause(
-            (words.format(word, size),),
+        return Hint(
+            words.format(word, size),
             "QUESTION",
             lambda row: row.prop(unit_settings, "scale_length"),
         )

@@ -1,8 +1,9 @@
-"""The hint for the next step from an empty scene to a vibration that is felt."""
+"""Hints: what a user should know, and the next step to a vibration that is felt."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from bpy.types import Scene, UILayout
 
@@ -18,33 +19,37 @@ _SLOWEST_FALL, _FASTEST_FALL = 5.0, 15.0  # m/s²
 
 @frozen
 class Hint:
-    """The next step in ``words``, its operators with their icons, and whether the quick start says
-    it, too."""
+    """What to know, or to do next, in ``words``; ``draw``: draws the button or field for it;
+    ``is_in_quick_start``: whether that says it, too."""
 
-    words: str
-    operators: tuple[tuple[str, str], ...] = ()
+    words: str = ""
+    icon: str = "INFO"
+    draw: Callable[[UILayout], object] | None = None
     is_in_quick_start: bool = False
 
-    def draw(self, layout: UILayout) -> None:
-        """Draw the buttons."""
-        for operator, icon in self.operators:
-            layout.operator(operator, icon=icon)
+
+def button(operator: str, icon: str = "NONE", **values: str) -> Callable[[UILayout], object]:
+    """A function that draws the button of an operator with these values."""
+
+    def draw(layout: UILayout) -> None:
+        properties = layout.operator(operator, icon=icon)
+        for key, value in values.items():
+            setattr(properties, key, value)
+
+    return draw
 
 
 def next_step(scene: Scene) -> Hint | None:
     """What to do next, until there is a listener, of which the summary says everything else; None
     then, or while the first frame is traced."""
     if not scene.haptics.tracing:
-        return Hint(ui_text("Tracing is switched off"), (("haptic.toggle_tracing", "HIDE_OFF"),))
+        return Hint(ui_text("Tracing is switched off"), "ERROR", button("haptic.toggle_tracing"))
     traced = sessions.shown(scene)
     if traced is None and sessions.is_behind(scene):
         return None
     if traced is None or not traced.result.objects:
-        problems = sessions.shown_problems(scene)
-        if problems:
-            return Hint(problems[0].message)
         if traced is None and roles.is_any_tagged(scene):
-            return Hint(ui_text("Nothing traced yet"), (("haptic.trace_frame", "FILE_REFRESH"),))
+            return Hint(ui_text("Nothing traced yet"), draw=button("haptic.trace_frame"))
         words = ui_text("Select objects that touch, and press Make Haptic below")
     elif not _has_sources(scene, traced):
         words = ui_text("Select what vibrates, and press Add Source below")
@@ -84,10 +89,7 @@ def of_units(scene: Scene) -> Hint | None:
     fall = math.hypot(*settings.gravity_of(scene))
     if _SLOWEST_FALL <= fall <= _FASTEST_FALL:
         return None
-    return Hint(
-        ui_text("Gravity: {:.3g} m/s²", fall),
-        (("haptic.set_gravity", "FORCE_FORCE"),),
-    )
+    return Hint(ui_text("Gravity: {:.3g} m/s²", fall), draw=button("haptic.set_gravity"))
 
 
 def _has_sources(scene: Scene, traced: sessions.Traced) -> bool:

@@ -1,5 +1,5 @@
 """Panel "What Is Felt": margins of listeners and sources, solo and mute; and, in Properties >
-Scene, a comparison of the modes, and tracing times."""
+Scene, a comparison of the modes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _LISTENERS = 10
 _SOURCES = 4
 _ROWS = 40
-_NAMES = 0.58  # of the width beside switches
+_NAMES = 0.62  # of the width beside switches
 
 
 class HAPTIC_PT_result(SidebarPanel):
@@ -74,7 +74,7 @@ def _draw_name(layout: UILayout, name: str, icon: str, title: str) -> UILayout:
     split = layout.split(factor=_NAMES, align=True)
     row = split.row()
     row.alignment = "LEFT"
-    select_button(row, name, fitted(title, 0.51, icon=True, button=True), icon=icon, emboss=False)
+    select_button(row, name, fitted(title, 0.55, icon=True, button=True), icon=icon, emboss=False)
     return split.row(align=True)
 
 
@@ -166,29 +166,6 @@ class HAPTIC_PT_comparison(ScenePanel):
             latest.is_current for latest in amplitudes.values()
         ):
             layout.label(text="Comparing...", icon="SORTTIME")
-
-
-class HAPTIC_PT_statistics(ScenePanel):
-    bl_label = "Statistics"
-
-    def draw(self, context: Context) -> None:
-        layout = self.layout
-        session = sessions.known(context.scene)
-        if session is None or session.shown is None:
-            layout.label(text="Nothing traced yet")
-            return
-        result = session.shown.result
-        column = layout.column(align=True)
-        for stage, milliseconds in result.milliseconds.items():
-            show_pair(
-                column,
-                ui_text(stage.replace("_", " ").capitalize()),
-                f"{milliseconds:.2f} ms",
-            )
-        show_pair(column, ui_text("Draw"), f"{session.draw_milliseconds:.2f} ms")
-        column.separator()
-        for name, value in result.statistics.items():
-            show_pair(column, ui_text(name.replace("_", " ").capitalize()), f"{value:g}")
 
 
 def draw_lane_switch(self: Header, context: Context) -> None:

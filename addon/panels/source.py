@@ -45,7 +45,7 @@ class HAPTIC_PT_signals(Panel):
     poll = classmethod(poll_object)
 
     def draw(self, context: Context) -> None:
-        flow = self.layout.grid_flow(row_major=True, columns=5, even_columns=True)
+        flow = self.layout.grid_flow(row_major=True, columns=4, even_columns=True)
         for kind in PLAIN:
             cell(flow, f"signal-{kind}").prop_enum(context.object.haptics.source, "signal", kind)
         for path in signal_library.files():

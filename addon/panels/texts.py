@@ -32,10 +32,12 @@ def draw_sentence(layout: UILayout, text: str, icon: str = "NONE") -> None:
 
 
 def draw_lines(layout: UILayout, text: str, icon: str = "NONE", most: int = 99) -> int:
-    """Draw a sentence in at most ``most`` lines. Returns their number."""
-    found = lines(text[:1].upper() + text[1:], content_width() - (ICON if icon != "NONE" else 0.0))
+    """Draw a text in at most ``most`` lines. Returns their number."""
+    width = content_width() - (ICON if icon != "NONE" else 0.0)
+    parts = (text[:1].upper() + text[1:]).split("\n")
+    found = [line for part in parts for line in lines(part, width)]
     if len(found) > most:
-        found = (*found[: most - 1], found[most - 1] + ELLIPSIS)
+        found[most - 1 :] = [found[most - 1] + ELLIPSIS]
     for number, line in enumerate(found):
         show(layout, line, icon if number == 0 or icon == "NONE" else "BLANK1")
     return len(found)

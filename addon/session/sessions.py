@@ -8,8 +8,7 @@ every scene.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING, Any
@@ -106,7 +105,6 @@ class Session:
         motion: checksum of the causes of the impacts that the tracer stores.
         derived: see `derived.Derived`.
         watched: which listener is.
-        draw_milliseconds: of the last redraw of a viewport.
     """
 
     reader: SceneReader
@@ -128,7 +126,6 @@ class Session:
     motion: str | None = None
     derived: dict[Any, Any] = field(default_factory=dict)
     watched: Watched = field(default_factory=Watched)
-    draw_milliseconds: float = 0.0
 
     @property
     def reading(self) -> Reading | None:
@@ -228,15 +225,3 @@ def problems_in(traced: Traced) -> tuple[Problem, ...]:
     read = () if traced.reading is None else traced.reading.problems
     warnings = (Problem(warning.object, sentence(warning)) for warning in traced.result.warnings)
     return (*read, *warnings)
-
-
-@contextmanager
-def drawing(scene: Scene) -> Iterator[None]:
-    """A context whose duration counts as drawing the scene's results."""
-    started = time.perf_counter()
-    try:
-        yield
-    finally:
-        session = known(scene)
-        if session is not None:
-            session.draw_milliseconds += 1000 * (time.perf_counter() - started)

@@ -24,7 +24,7 @@ from .hud import FAINT_INK, INK, PLATE, HudBuilder, overlaps
 from .label_placement import project
 from .layout import pixels_per_point
 from .levels import change_words
-from .screen import Recent, draw_flat, is_light, uploaded
+from .screen import Recent, draw_flat, in_theme, uploaded
 from .watched import levels_of
 
 _REACH = 9.0  # points around a connection
@@ -177,9 +177,8 @@ def draw(context: Context) -> None:
     for number, line in enumerate(words):
         place = left + _PADDING, top - _ROW * (number + 1) + 2
         builder.text(line, place, FAINT_INK if number else INK)
-    hud = builder.build()
-    hud = hud.on_light() if is_light() else hud
-    draw_flat(uploaded(hud), (context.region.width, context.region.height), scale)
+    shown_words = uploaded(in_theme(builder.build()))
+    draw_flat(shown_words, (context.region.width, context.region.height), scale)
 
 
 file_changed.subscribe(hovered.clear)

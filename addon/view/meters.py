@@ -19,7 +19,7 @@ from ..session import sessions
 from .hud import Hud, Rectangle, Target, overlaps
 from .layout import corner_room, free_rectangle, is_main_view, pixels_per_point
 from .meter_layout import SWITCHES, meter_hud
-from .screen import Recent, draw_flat, is_light, uploaded
+from .screen import Recent, draw_flat, in_theme, is_light, uploaded
 from .watched import levels_of, watched
 
 _MARGIN = 12.0  # points to the edges of the free part of the viewport
@@ -49,8 +49,7 @@ def draw_pixels(spots: Sequence[Spot] = ()) -> None:
     if not levels_of(scene):
         _shown.pop(context.region.as_pointer(), None)
         return
-    with sessions.drawing(scene):
-        _draw_meters(context, scene, spots)
+    _draw_meters(context, scene, spots)
 
 
 def draw_redo_panel() -> None:
@@ -126,7 +125,7 @@ def _draw_meters(context: Context, scene: Scene, spots: Sequence[Spot]) -> None:
             switched=switched,
         )
         hud = _in_corner(hud, corner, room)
-        batch = uploaded(hud.on_light() if is_light() else hud)
+        batch = uploaded(in_theme(hud))
         _shown[region.as_pointer()] = key, batch, hud
     draw_flat(batch, (region.width, region.height), scale)
 

@@ -40,7 +40,7 @@ from .layout import (
 from .options import options_of
 from .quads import Quads, quads
 from .render_data import Options, RenderData, Size, render_data
-from .screen import Recent, draw_flat, is_light, uploaded
+from .screen import Recent, draw_flat, in_theme, is_light, uploaded
 from .watched import levels_of
 
 HIDDEN = 0.15  # opacity of parts hidden by objects, where the graph is not drawn in front
@@ -188,12 +188,11 @@ def draw_annotations(
         scale: Pixels per point.
         around: What else `placed_annotations` takes.
     """
-    light = is_light()
-    key = (perspective.tobytes(), size, scale, *around, bpy.app.translations.locale, light)
+    key = (perspective.tobytes(), size, scale, *around, bpy.app.translations.locale, is_light())
     known = drawing.views.get(key)
     if known is None:
         hud = placed_annotations(drawing.shapes.data, perspective, size, scale, *around)
-        known = uploaded(hud.on_light() if light else hud)
+        known = uploaded(in_theme(hud))
         drawing.views[key] = known
     draw_flat(known, size, scale)
 
@@ -217,26 +216,22 @@ def draw_view() -> None:
     """Draw callback: the graph, in world space."""
     context = bpy.context
     scene = context.scene
-    own = None if scene is None else sessions.known(scene)
-    if own is not None:
-        own.draw_milliseconds = 0.0  # the first callback of a redraw
     if not _is_shown(context):
         return
     region, view = context.region, context.region_data
-    with sessions.drawing(scene):
-        drawing = drawing_of(scene)
-        if drawing is None:
-            return
-        touching_shape.draw(context, pixels_per_point(context))
-        draw_graph(
-            drawing,
-            view.window_matrix,
-            view.view_matrix @ from_metres(scene),
-            (region.width, region.height),
-            pixels_per_point(context),
-            xray=scene.haptics.xray,
-            flow=seconds_of(scene, scene.frame_current_final) if scene.haptics.show_flow else None,
-        )
+    drawing = drawing_of(scene)
+    if drawing is None:
+        return
+    touching_shape.draw(context, pixels_per_point(context))
+    draw_graph(
+        drawing,
+        view.window_matrix,
+        view.view_matrix @ from_metres(scene),
+        (region.width, region.height),
+        pixels_per_point(context),
+        xray=scene.haptics.xray,
+        flow=seconds_of(scene, scene.frame_current_final) if scene.haptics.show_flow else None,
+    )
 
 
 def draw_pixels() -> None:
@@ -250,20 +245,19 @@ def draw_pixels() -> None:
     seen = context.region_data.perspective_matrix
     perspective = np.array(seen @ from_metres(scene), dtype=np.float64)
     free = free_rectangle(context)
-    with sessions.drawing(scene):
-        draw_annotations(
-            drawing,
-            perspective,
-            (region.width, region.height),
-            pixels_per_point(context),
-            free,
-            meters.occupied(context) + redo_panels(context) + navigation(context),
-            _legend_side(context),
-            camera_frame(context),
-            cues_of(context, np.array(seen), free) if scene.haptics.show_best_paths else (),
-            tuple((level.listener, level.title, level.words()) for level in levels_of(scene)),
-        )
-        inspection.draw(context)
+    draw_annotations(
+        drawing,
+        perspective,
+        (region.width, region.height),
+        pixels_per_point(context),
+        free,
+        meters.occupied(context) + redo_panels(context) + navigation(context),
+        _legend_side(context),
+        camera_frame(context),
+        cues_of(context, np.array(seen), free) if scene.haptics.show_best_paths else (),
+        tuple((level.listener, level.title, level.words()) for level in levels_of(scene)),
+    )
+    inspection.draw(context)
 
 
 def _legend_side(context: Context) -> LegendSide:

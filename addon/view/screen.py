@@ -42,6 +42,11 @@ def is_light() -> bool:
     return sum(bpy.context.preferences.themes[0].user_interface.wcol_menu_back.inner[:3]) > 1.5
 
 
+def in_theme(items: Hud) -> Hud:
+    """For the theme in use."""
+    return items.on_light() if is_light() else items
+
+
 def uploaded(items: Hud) -> Uploaded:
     """Everything that is drawn over a viewport."""
     return Uploaded(shader.upload(quads_of(items.lines)), items.texts)
