@@ -12,7 +12,7 @@ import math
 import struct
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -31,8 +31,7 @@ from ...core.render.waves import FULL_SCALE, as_integers
 from ...core.scene.values import HapticObject, Listener, Mode, Source, SourceKind
 
 MAGIC = b"HAPTRACK"
-VERSION = 2
-"""Since version 2 with the paths."""
+VERSION = 1
 MAX_BYTES = 1 << 28
 """Largest size of the samples: 256 MB are 4.6 hours of one listener, 28 minutes of ten."""
 MAX_IMPACTS = 1 << 24
@@ -98,7 +97,7 @@ class HapticTrack:
         row_amplitude: (r,) its amplitude.
         row_place: (r, 3) its position [m].
         row_gain: (r, l) amplitude with which it arrives at each listener.
-        lines: (p, 10) connections of best paths, see `Connections.rows`; none in version 1.
+        lines: (p, 10) connections of best paths, see `Connections.rows`.
         line_rows: (f + 1,) those of frame k are ``line_rows[k] : line_rows[k + 1]``.
         digest: checksums of the baked scene, see `scene_reader.digest`.
         impacts: by frame that has any, see `scene_reader.kept_impacts`.
@@ -119,10 +118,10 @@ class HapticTrack:
     row_amplitude: NDArray[np.float32]
     row_place: NDArray[np.float32]
     row_gain: NDArray[np.float32]
-    lines: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 10), dtype=np.float32))
-    line_rows: IntArray = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
-    digest: Form = field(default_factory=dict)
-    impacts: Mapping[int, str] = field(default_factory=dict)
+    lines: NDArray[np.float32]
+    line_rows: IntArray
+    digest: Form
+    impacts: Mapping[int, str]
 
     @property
     def frame_count(self) -> int:
@@ -145,10 +144,6 @@ class HapticTrack:
     def duration(self) -> float:
         """Seconds of samples."""
         return self.samples.shape[1] / self.sample_rate
-
-    def listener_samples(self, index: int) -> FloatArray:
-        """All samples of a listener, in [-1, 1]."""
-        return self.samples[index].astype(np.float64) / FULL_SCALE
 
     def samples_until(self, frame: int, seconds: float) -> FloatArray:
         """The last ``seconds`` of all listeners up to the end of a frame, (l, n)."""
@@ -278,10 +273,8 @@ def track_from_bytes(data: bytes) -> HapticTrack:
     if len(data) < len(MAGIC) + 8 or not data.startswith(MAGIC):
         raise TrackError("this is no haptic track")
     version, length = struct.unpack_from("<II", data, len(MAGIC))
-    if version > VERSION:
-        raise TrackError(
-            f"the haptic track has version {version}; this add-on reads up to {VERSION}: bake again"
-        )
+    if version != VERSION:
+        raise TrackError(f"the haptic track has version {version}, not {VERSION}: bake again")
     place = len(MAGIC) + 8
     try:
         header = parse_json(_unpacked(data[place : place + length], MAX_HEADER), "haptic track")
@@ -326,12 +319,11 @@ def _track(header: Form, data: bytes, place: int) -> HapticTrack:
     frames = _count(header["frames"], MAX_FRAMES)
     rows = _count(header["rows"], 1 << 28)
     samples = _count(header["samples"], MAX_BYTES // 2 // max(width, 1))
-    lines = _count(header.get("lines", 0), MAX_LINES)
+    lines = _count(header["lines"], MAX_LINES)
     lengths = {"l": width, "n": samples, "f": frames, "f + 1": frames + 1, "r": rows}
     lengths |= {"p": lines, "3": 3, "10": 10}
     arrays = {}
-    there = _ARRAYS if "lines" in header else _ARRAYS[:-2]
-    for (name, kind, axes), packed in zip(there, header["packed"], strict=True):
+    for (name, kind, axes), packed in zip(_ARRAYS, header["packed"], strict=True):
         shape = [lengths[axis] for axis in axes.split(", ")]
         size = math.prod(shape) * np.dtype(kind).itemsize
         if size > 2 * MAX_BYTES:
@@ -345,7 +337,7 @@ def _track(header: Form, data: bytes, place: int) -> HapticTrack:
         if array.dtype.kind == "f" and not (np.abs(array) <= 1e9).all():
             raise ValueError(f"{name} is not finite")
     for name, end in (("offsets", samples), ("rows", rows), ("line_rows", lines)):
-        steps = arrays.get(name, np.zeros(1))
+        steps = arrays[name]
         if steps[0] != 0 or steps[-1] != end or (np.diff(steps) < 0).any():
             raise ValueError(f"{name} are out of order")
     number = arrays["row_source"]
@@ -361,7 +353,7 @@ def _track(header: Form, data: bytes, place: int) -> HapticTrack:
         listeners=listeners,
         sources=sources,
         digest=digest if isinstance(digest, dict) else {},
-        impacts={int(frame): str(text) for frame, text in header.get("impacts", ())},
+        impacts={int(frame): str(text) for frame, text in header["impacts"]},
         **arrays,
     )
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.bake import playback, storage, takes
 from haptic_tracing.addon.session import session
+from haptic_tracing.core.render.waves import FULL_SCALE
 
 
 @pytest.fixture
@@ -49,7 +50,7 @@ def test_the_difference_is_in_decibels(two_takes, settle):
     bpy.ops.haptic.play_take(index=0)
     (found,) = settle(lambda: takes.differences(two_takes)).value
     assert found.here - found.there == pytest.approx(20 * np.log10(2), abs=0.01)
-    samples = storage.track_of(two_takes).listener_samples(0)
+    samples = storage.track_of(two_takes).samples[0] / FULL_SCALE
     assert found.here == pytest.approx(20 * np.log10(np.sqrt((samples**2).mean())), abs=0.01)
 
 
