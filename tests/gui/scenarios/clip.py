@@ -1,10 +1,11 @@
-"""A clip for a pad: three seconds with a sound, two listeners, baked, as WAV, .haptic and AHAP; the
-clicks are counted."""
+"""A clip for a pad: three seconds with a sound, two listeners, baked, as WAV, .haptic and AHAP, by
+clicks alone, which are counted."""
 
 import wave
 
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 MOST = 13
 
@@ -21,67 +22,71 @@ def write(path):
 
 
 def browser():
-    """The window, area and region of the file browser."""
+    """The window of the file browser."""
     for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "FILE_BROWSER":
-                region = next(region for region in area.regions if region.type == "WINDOW")
-                return {"window": window, "area": area, "region": region}
+        if any(area.type == "FILE_BROWSER" for area in window.screen.areas):
+            return window
     return None
 
 
 def steps(window):
     scene = bpy.context.scene
     scene.render.fps, scene.frame_start, scene.frame_end = 24, 1, 72
-    cube = scene.objects["Cube"]
     boxes = []
-    for name, x in (("Palm", 1.5), ("Floor", -1.5)):
-        bpy.ops.mesh.primitive_cube_add(size=1, location=(x, 0, 0))
+    for name, place in (("Palm", (1.5, 0, 0)), ("Floor", (0, -1.5, 0))):
+        bpy.ops.mesh.primitive_cube_add(size=1, location=place)
         boxes.append(bpy.context.object)
         boxes[-1].name = name
-    sound = window.folder / "blows.wav"
-    write(sound)
+    write(window.folder / "blows.wav")
     bpy.ops.wm.save_as_mainfile(filepath=str(window.folder / "clip.blend"))
     job, storage = (window.module(name) for name in ("addon.blender.job", "addon.bake.storage"))
 
-    def choose(path, clicks):
-        """Choose a file in the browser, by ``clicks``."""
+    def in_browser(picture, *places):
+        """Click in the file browser: ``places`` from its left, or where negative its right edge, and
+        from its lower or upper edge, and whether Shift is held."""
         yield from window.wait_until(lambda: browser() is not None)
-        yield 1.0
-        params = browser()["area"].spaces.active.params
-        params.directory, params.filename = f"{path.parent}/".encode(), path.name
-        window.save_picture(path.suffix[1:])
-        with bpy.context.temp_override(**browser()):
-            bpy.ops.file.execute()
-        window.clicks += clicks
+        yield 2.0
+        for right, up, shift in places:
+            shown = browser()
+            at = {"x": right % shown.width, "y": up % shown.height, "shift": shift}
+            shown.event_simulate(type="MOUSEMOVE", value="NOTHING", x=at["x"], y=at["y"])
+            yield 0.3
+            for value in ("PRESS", "RELEASE"):
+                shown.event_simulate(type="LEFTMOUSE", value=value, **at)
+                yield 0.3
+            window.clicks += 1
+            window.save_picture(f"{picture}-{window.clicks}")
         yield from window.wait_until(lambda: browser() is None and job.Job.in_window is None)
         yield 1.0
 
     def select(obj):
-        bpy.ops.object.select_all(action="DESELECT")
-        obj.select_set(True)
-        bpy.context.view_layer.objects.active = obj
+        """Click an object."""
+        region = window.region()
+        place = location_3d_to_region_2d(
+            region, window.view.spaces.active.region_3d, obj.matrix_world.translation
+        )
+        window.point(region.x + place.x, region.y + place.y)
+        yield 0.3
+        yield from window.press("LEFTMOUSE")
         yield 0.5
+        window.seen[f"a click selects {obj.name}"] = bpy.context.object == obj
 
     yield from window.show_sidebar()
-    yield from select(cube)
+    yield from select(scene.objects["Cube"])
     yield from window.click_button("haptic.import_sound")
-    yield from choose(sound, 2)
-    window.seen["the sound is converted"] = bool(cube.haptics.source.sound.kept)
+    yield from in_browser("sound", (305, -104, False), (-72, 22, False))
+    kept = scene.objects["Cube"].haptics.source.sound.kept
+    window.seen["the sound is converted"] = bool(kept)
     for box in boxes:
         yield from select(box)
-        window.clicks += 1
         yield from window.click_button("haptic.add_listener")
     yield from window.screenshot("clip-listeners")
     yield from window.click_button("haptic.bake")
     yield from window.wait_until(lambda: storage.track_of(scene) is not None)
     yield from window.wait_until(lambda: job.Job.in_window is None)
     yield from window.click_button("export_scene.haptic_tracks")
-    yield from window.wait_until(lambda: browser() is not None)
-    yield 1.0
-    browser()["area"].spaces.active.active_operator.formats = {"wav", "haptic", "ahap"}
-    window.clicks += 2
-    yield from choose(window.folder / "clip.wav", 1)
+    haptic, ahap, export = (-124, -157, True), (-124, -111, True), (-72, 22, False)
+    yield from in_browser("export", haptic, ahap, export)
     names = {path.suffix for path in window.folder.rglob("*clip*")}
     window.seen[f"all three formats, of {sorted(names)}"] = {".wav", ".haptic", ".ahap"} <= names
     window.seen[f"{window.clicks} clicks"] = window.clicks <= MOST
