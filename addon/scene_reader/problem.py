@@ -62,11 +62,7 @@ def without_carrier(obj: Object, role: str) -> Problem:
         )
         return Problem(above.name_full, words)
     if role == "source":
-        words = iface_(
-            "This source is on no haptic object: make it haptic, or parent it to a haptic object"
-        )
+        words = iface_("This source is on no haptic object: make it haptic, or parent it to one")
     else:
-        words = iface_(
-            "This listener is on no haptic object: make it haptic, or parent it to a haptic object"
-        )
+        words = iface_("This listener is on no haptic object: make it haptic, or parent it to one")
     return Problem(obj.name_full, words)

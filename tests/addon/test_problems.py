@@ -29,7 +29,7 @@ def _goes_on(result):
 def test_an_empty_as_source_on_nothing(sound, add_empty, traced):
     add_empty("ghost").haptics.source.enabled = True
     _goes_on(traced())
-    assert "parent it to a haptic object" in _problems()["ghost"]
+    assert "parent it to one" in _problems()["ghost"]
 
 
 def test_a_listener_on_nothing(sound, add_empty, traced):

@@ -41,7 +41,7 @@ def steps(window):
     yield from window.click_in_popup("haptics.source.one_shot", -141, 65)
     yield 1.0
     window.save_picture("triggers")
-    yield from window.click_in_popup("haptics.source.trigger_markers", 177, 95)
+    yield from window.click_in_popup("haptics.source.trigger_markers", 177, 3)
     yield 1.0
     window.save_picture("markers")
     # A fourth click for a user: Blender's lists do not follow simulated mice.

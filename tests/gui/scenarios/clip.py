@@ -60,11 +60,11 @@ def steps(window):
         yield 1.0
 
     def select(obj):
-        """Click an object."""
+        """Click an object, in the middle of its upper side."""
         region = window.region()
-        place = location_3d_to_region_2d(
-            region, window.view.spaces.active.region_3d, obj.matrix_world.translation
-        )
+        top = obj.matrix_world.translation.copy()
+        top.z += obj.dimensions.z / 2
+        place = location_3d_to_region_2d(region, window.view.spaces.active.region_3d, top)
         window.point(region.x + place.x, region.y + place.y)
         yield 0.3
         yield from window.press("LEFTMOUSE")
@@ -85,8 +85,9 @@ def steps(window):
     yield from window.wait_until(lambda: storage.track_of(scene) is not None)
     yield from window.wait_until(lambda: job.Job.in_window is None)
     yield from window.click_button("export_scene.haptic_tracks")
-    haptic, ahap, export = (-124, -157, True), (-124, -111, True), (-72, 22, False)
-    yield from in_browser("export", haptic, ahap, export)
+    formats = list(window.module("core.formats.io.catalogue").track_formats())
+    wanted = [(-124, -88 - 23 * formats.index(name), True) for name in ("haptic", "ahap")]
+    yield from in_browser("export", *wanted, (-72, 22, False))
     names = {path.suffix for path in window.folder.rglob("*clip*")}
     window.seen[f"all three formats, of {sorted(names)}"] = {".wav", ".haptic", ".ahap"} <= names
     window.seen[f"{window.clicks} clicks"] = window.clicks <= MOST
