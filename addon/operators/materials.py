@@ -226,7 +226,7 @@ class HAPTIC_OT_remove_material(_OnMaterial):
 class HAPTIC_OT_unlink_material(OnActive):
     """Give the active object its own values, initially those of its material"""
 
-    bl_label = "Own Values"
+    bl_label = "Make Own Material"
 
     def apply(self, context: Context) -> None:
         context.object.haptics.material.name = ""

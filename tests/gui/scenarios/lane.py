@@ -25,7 +25,7 @@ def steps(window):
     window.seen[f"a source and a listener are named, and how many more: {texts}"] = (
         len(texts) == 2
         and texts[0].words == "Jackhammer"
-        and texts[1].words.endswith("+9")
+        and texts[1].words.endswith("and 9 more")
         and texts[0].position[0] + text_width(texts[0].words, texts[0].size) < texts[1].position[0]
     )
     window.save_picture("default-height")
