@@ -473,9 +473,9 @@ def _jumps(first: FloatArray, chord: FloatArray, direct: FloatArray) -> BoolArra
 
 def _comes_to_rest(first: FloatArray, chord: FloatArray, direct: FloatArray) -> BoolArray:
     """Which bodies (n,) brake through three intervals, by their velocities (3, n) there, and have
-    no more speed left in the end than they lose in half of the last one."""
+    no more speed left in the end than they lose in half of the last one, without turning back."""
     one, two, three = (np.sqrt(_squared(velocity)) for velocity in (first, chord, direct))
-    brakes = (two < (1 - _STEADY) * one) & (three < (1 - _STEADY) * two)
+    brakes = (two < (1 - _STEADY) * one) & (three < (1 - _STEADY) * two) & (dot(chord, direct) >= 0)
     return brakes & (three <= 2 * (two - three))
 
 

@@ -91,6 +91,20 @@ def test_what_brakes_to_rest_strikes_nothing_where_no_curve_is_known(name, rate,
         assert all(blow.energy <= 0.5 for blow in found)
 
 
+@pytest.mark.parametrize("rate", [24, 25, 30, 60])
+def test_what_bounces_strikes_each_time_where_no_curve_is_known(rate):
+    """Within a frame, and by no more than its speed. It rises half as fast: where it touches so
+    shortly before a frame that it still does then, a frame's mean speed is known alone."""
+    for phase in range(8):
+        begin = (10 + phase / 8) / rate
+        found = blows(bounce, rate, begin, known=False, last=1.0)
+        for blow, (part, speed) in zip(found[:3], BOUNCES[:3], strict=True):
+            assert blow.time == pytest.approx(begin + part, abs=1 / rate)
+            late = ContactSettings().tolerance / (HEIGHT * speed / 2) * rate
+            part = blow.energy / (MASS / 2 * (HEIGHT * speed) ** 2)
+            assert (1 - 1.5 * late) ** 2 < part < 1.01
+
+
 @pytest.mark.parametrize(
     ("gap", "speed"), [(0.1, 5.0), (0.2, 5.0), (0.25, 4.0), (0.26, None), (0.5, None)]
 )
