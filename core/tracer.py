@@ -50,6 +50,7 @@ class Tracer:
     def reset(self) -> None:
         """Drop contacts, velocities and active signals."""
         self._time = None
+        self._search = KeptPaths()
         self.collisions.reset()
         self._mixdown.reset()
 
@@ -76,6 +77,8 @@ class Tracer:
             not frame.continuous or (self._time is not None and frame.time <= self._time)
         ):
             self.reset()
+        if frame.exact:  # of paths that are equally good, it must not matter which was found before
+            self._search = KeptPaths()
         table = self._table(frame.objects, frame.settings.epsilon)
         collisions = self.collisions.detect(frame, table, self._time, retrace)
         if not retrace:

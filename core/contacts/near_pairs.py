@@ -57,10 +57,11 @@ class NearPairs:
         self._heap = connected(table.numbers(key), len(table))
         self.larger, self.smaller = table.by_size(key)
 
-    def met(self, extents: FloatArray) -> BoolArray:
-        """Which pairs (p,) of bodies with these ``extents`` (2, 3, n) have overlapping bounds."""
+    def met(self, extents: FloatArray, rows: IntArray | slice = slice(None)) -> BoolArray:
+        """Which pairs (p,), or which of some ``rows`` (k,) of them, have overlapping bounds, of
+        bodies with these ``extents`` (2, 3, n)."""
         low, high = -extents[0], extents[1]
-        larger, smaller = self.larger, self.smaller
+        larger, smaller = self.larger[rows], self.smaller[rows]
         met = low.take(larger, axis=1) <= high.take(smaller, axis=1)
         met &= low.take(smaller, axis=1) <= high.take(larger, axis=1)
         return np.asarray(met.all(axis=0))

@@ -313,7 +313,8 @@ class ContactTracker:
             self._near.widen(table, self._history, poses.extents, moved)
             return None
         paths, speed = fast
-        rows = self._striking.rapid(table, speed).nonzero()[0]
+        rapid = self._striking.rapid(table, speed)
+        rows = rapid.nonzero()[0]
         ahead = table.extents(rows, paths.poses(rows, paths.duration), self._grow)
         extents = poses.extents.copy()
         for other in (poses.last_extents[..., rows], ahead):
@@ -323,14 +324,16 @@ class ContactTracker:
             way = samples.extents(table, self._grow)
             extents[..., rows] = np.maximum(extents[..., rows], way)
         self._near.widen(table, self._history, extents, moved)
-        a, b = self._near.larger, self._near.smaller
-        collide = (table.layers[a] & table.layers[b]) > 0
-        collide &= ~among(self._near.key, table.passing)
-        able = collide & self._striking.able(table, speed, a, b)
-        able &= self._near.met(extents) | table.time_of_impact.may_hit(
+        near = self._near
+        pairs = (rapid[near.larger] | rapid[near.smaller]).nonzero()[0]
+        a, b = near.larger[pairs], near.smaller[pairs]
+        able = (table.layers[a] & table.layers[b]) > 0
+        able &= ~among(near.key[pairs], table.passing)
+        able &= self._striking.able(table, speed, a, b)
+        able &= near.met(extents, pairs) | table.time_of_impact.may_hit(
             paths, a, b, poses.last_extents
         )
-        return HitSearch(self.settings, table, poses, self._near, paths, able.nonzero()[0])
+        return HitSearch(self.settings, table, poses, near, paths, pairs[able])
 
     def _examine_last_frame(self, rows: IntArray) -> bool:
         """Find out which pairs ``rows``, which were not examined in the last frame, touched in its

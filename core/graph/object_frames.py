@@ -77,11 +77,10 @@ class ObjectFrames:
         centre = self.centre.copy()
         axes = self.axes.copy()
         size = self.size.copy()
-        size[numbers] = bounds[:, 1] - bounds[:, 0]
-        axes[numbers] = transforms[:, :3, :3]
-        centre[numbers] = (transforms[:, :3, :3] * bounds.mean(axis=1)[:, None]).sum(
-            axis=2
-        ) + transforms[:, :3, 3]
+        low, high = bounds[:, 0], bounds[:, 1]
+        size[numbers] = high - low
+        turn = axes[numbers] = transforms[:, :3, :3]
+        centre[numbers] = np.einsum("nij,nj->ni", turn, (low + high) / 2) + transforms[:, :3, 3]
         return ObjectFrames(centre, axes, size)
 
     def patch_sizes(self, pairs: IntArray, area: FloatArray, normal: FloatArray) -> FloatArray:
