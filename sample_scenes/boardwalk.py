@@ -24,7 +24,7 @@ JOIST = (0.09, 0.12)
 BEACH = SUNK - PLANK[2] - JOIST[1] + SUNK
 BENCH = 0.25, 1.75, BEACH
 SOLE = 0.03
-MASS, LEAST_ENERGY, FULL_ENERGY = 6.0, 0.02, 1.5
+MASS, LEAST_ENERGY, FULL_ENERGY = 6.0, 0.02, 0.4
 """Of a leg that comes down [kg], of steps just heard and as loud as can be [J]."""
 SEAT, LEAN = 0.45, math.radians(10)
 

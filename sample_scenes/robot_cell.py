@@ -28,8 +28,9 @@ PALLET = 0.05
 PICKS = tuple(Vector((-0.78, y, HEIGHT + PALLET)) for y in (-0.17, 0.15))
 PLACES = (Vector((0.12, -0.16, HEIGHT)), Vector((0.17, 0.1, HEIGHT)))
 LIFT = 0.18
-MASS, LEAST_ENERGY, FULL_ENERGY = 8.0, 0.02, 1.2
-"""Of a casting with the hand that holds it [kg], of blows just heard and as loud as can be [J]."""
+MASS, LEAST_ENERGY, FULL_ENERGY = 8.0, 0.1, 1.2
+"""Of a casting with the hand that holds it [kg], of blows just heard and as loud as can be [J];
+those of the fingers that close are weaker."""
 MOTOR = 0.2
 """Amplitude of the drive at full speed."""
 PICK, CLOSE, LIFTED, ABOVE, SET, RELEASE, AWAY = 8, 12, 18, 32, 40, 44, 49

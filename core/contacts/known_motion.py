@@ -20,6 +20,9 @@ from .narrow.frames import dot, relative_pose, turned, turned_back
 _TOUCH, _APART = 1e-5, 1e-4
 """Distances [m] below which bodies touch, and above which they have parted."""
 
+_KEPT = 0.5
+"""Part of its speed up to which what goes on within the tolerance has been stopped there."""
+
 _STRIDE = 8
 """Samples from one to the next of those at which distances are always computed."""
 
@@ -110,8 +113,8 @@ class KnownHits:
         return int(next(iter(self._samples.poses.values())).shape[1])
 
     def _distances(self, pair: IntArray) -> FloatArray:
-        """Signed distances (k,) of a pair at all samples, where they may touch; elsewhere bounds
-        above 0 [m]."""
+        """Signed distances (k,) of a pair at all samples, where they may come within the tolerance;
+        elsewhere bounds above 0 [m]."""
         count = self._count
         a, b = pair.tolist()
         coarse = np.array([0, 1, *range(2, count, _STRIDE)])
@@ -141,7 +144,7 @@ class KnownHits:
             ends, way = found[[begin, begin + _STRIDE]], moved[begin : begin + _STRIDE].sum()
             if max(ends) < -way:
                 found[begin : begin + _STRIDE] = max(ends)
-            elif min(ends) <= way:
+            elif min(ends) <= way + farthest:
                 near += [k for k in range(begin - 2, begin + _STRIDE) if np.isinf(found[k])]
         if near:
             samples = np.unique(near)
@@ -153,14 +156,8 @@ class KnownHits:
         found = Hits.none()
         table, tolerance = self._search.table, self._search.settings.tolerance
         for pair in table.numbers(self.keys):
-            distances = self._distances(pair)
-            least = distances[2:].min()
-            # What stops, or turns back, within the tolerance has touched there.
-            ends = distances[2:-1].min() <= least + _TOUCH
-            short = ends and _APART < least <= table.tolerance(pair[:1], pair[1:], tolerance)[0]
-            if short:
-                distances = distances - least
-            for sample, after in touches(distances, self._step, short):
+            reach = table.tolerance(pair[:1], pair[1:], tolerance)[0]
+            for sample, after in touches(self._distances(pair), self._step, reach):
                 found = found.joined(self._hit(pair, sample, after))
         return found.approaching()
 
@@ -225,15 +222,13 @@ class KnownHits:
         return np.asarray(hits.normal[k] @ (places[1] - places[0]))
 
 
-def touches(
-    distances: FloatArray, step: float, apart_before: bool = False
-) -> list[tuple[int, float]]:
+def touches(distances: FloatArray, step: float, reach: float = 0.0) -> list[tuple[int, float]]:
     """When bodies begin to touch that have been apart, by their signed ``distances`` (k,) [m] at
     samples every ``step`` seconds, from the third on: the sample before, and the seconds from it.
     Between two samples they go on as before; so what bounces back within a step is found, too.
-    ``apart_before``: they may touch from the third sample on, if they were apart at the first."""
+    What loses most of its speed at a sample, within ``reach``, has touched there."""
     found: list[tuple[int, float]] = []
-    apart = apart_before and bool(distances[0] > _APART)
+    apart = False
     for k in range(2, len(distances) - 1):
         now, then = distances[k], distances[k + 1]
         apart = apart or now > _APART
@@ -246,5 +241,8 @@ def touches(
         part = 2 * now / (-rate + np.sqrt(root)) if root >= 0 and rate < 0 else np.inf
         if then <= _TOUCH or part <= 1:
             found.append((k, float(min(part, 1.0)) * step))
+            apart = False
+        elif now <= reach and np.isfinite(then) and now - then < -_KEPT * rate:
+            found.append((k, 0.0))
             apart = False
     return found

@@ -132,17 +132,28 @@ def test_far_train_is_felt_through_the_rails_and_without_them_as_the_closed_form
 
 
 @pytest.mark.slow
-def test_every_domino_makes_one_impact_with_the_next_and_there_is_no_other(build, results):
+def test_every_domino_strikes_the_next_and_the_last_ones_the_ground(build, results):
     count = 32
     scene = build("domino_wall", count)
-    found = [pair for result in results(scene, 1, scene.frame_end) for pair in impacts(result)]
+    energies = {}
+    for result in results(scene, 1, scene.frame_end):
+        for pair, impact in zip(impacts(result), result.impacts, strict=True):
+            energies.setdefault(pair, []).append(impact.energy)
     letters = [chr(ord("A") + k) for k in range(domino_wall.ARMS)]
-    expected = [
+    last = count // domino_wall.ARMS
+    for a in letters:
+        ground = energies.pop(frozenset((f"Domino {a}{last:03d}", "Ground")))
+        # It may strike the ground twice: as it tips, and flat, with what all of its arm fell.
+        thickness, _, height = domino_wall.DOMINO
+        fallen = last * domino_wall.MASS * 9.81 * (height - thickness) / 2
+        assert 0.1 < max(ground) < fallen
+    assert energies.keys() == {
         frozenset((f"Domino {a}{k:03d}", f"Domino {a}{k + 1:03d}"))
         for a in letters
-        for k in range(1, count // domino_wall.ARMS)
-    ]
-    assert sorted(map(sorted, found)) == sorted(map(sorted, expected))
+        for k in range(1, last)
+    }
+    # What leans on a domino that falls further strikes it again, more weakly.
+    assert all(len(found) <= 2 and max(found) == found[0] for found in energies.values())
 
 
 def test_pile_has_as_many_things_as_asked_for(build):
@@ -346,18 +357,18 @@ def test_hand_on_the_worktop_feels_the_mixer_there_and_the_fridge_through_floor_
 
 @pytest.mark.slow
 def test_every_step_is_felt_in_the_feet_of_who_walks_and_less_by_who_sits(build, results):
-    """A step strikes the plank that it comes down on with the heel, then, at half the speed, the
-    next ones with the ball."""
+    """A step strikes the plank that it comes down on with the heel, and the next one with the
+    ball."""
     scene = build("boardwalk")
-    steps = []
+    half = boardwalk.STRIDE_FRAMES / 2
+    steps = {}
     for result in results(scene, 1, scene.frame_end):
-        heels = [k for k, item in enumerate(result.impacts) if item.energy > 1.0]
-        for k in heels:
-            boot, plank = struck(scene, result.impacts[k])
+        for k, impact in enumerate(result.impacts):
+            boot, plank = struck(scene, impact)
             assert plank.startswith("Plank_")
-            steps.append((result.number, boot))
+            steps.setdefault((round((result.number - 1) / half), boot), []).append(plank)
             feet = {
-                item.name: result.amplitudes[-1, n]
+                item.name: result.amplitudes[len(result.sources) - len(result.impacts) + k, n]
                 for n, item in enumerate(result.listeners)
                 if item.body_part.startswith("foot")
             }
@@ -366,12 +377,13 @@ def test_every_step_is_felt_in_the_feet_of_who_walks_and_less_by_who_sits(build,
                 for who in ("Walker", "Sitter")
             )
             assert min(walks) > 1.5 * max(sits) > 0.0
-    half = boardwalk.STRIDE_FRAMES / 2
-    assert len(steps) == int((scene.frame_end - 1) / half)
-    assert [boot for _, boot in steps] == (["Boot_R", "Boot_L"] * len(steps))[: len(steps)]
-    assert [number for number, _ in steps] == pytest.approx(
-        [1 + half * k for k in range(1, len(steps) + 1)], abs=1
-    )
+    count = int((scene.frame_end - 1) / half)
+    # The left foot has come down on its heel before the first frame.
+    assert list(steps) == [(k, ("Boot_L", "Boot_R")[k % 2]) for k in range(count + 1)]
+    for step in range(1, count + 1):
+        planks = steps[step, ("Boot_L", "Boot_R")[step % 2]]
+        assert len(set(planks)) >= 2
+        assert planks[0] == min(planks)
 
 
 @pytest.mark.slow
