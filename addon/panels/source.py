@@ -76,7 +76,7 @@ def draw_drawing(layout: UILayout, obj: Object) -> None:
     column.operator("haptic.edit_emphasis", icon="ADD").index = -1
     if drawing.emphases:
         row = column.row()
-        for name in ("Place", "Strength", "Sharpness", ""):
+        for name in ("Place", "Strength", "Sharpness"):
             row.label(text=name)
     for number, emphasis in enumerate(drawing.emphases[:_SHOWN_EMPHASES]):
         row = column.row(align=True)

@@ -145,7 +145,7 @@ def distances_to(place: FloatArray, ends: FloatArray) -> FloatArray:
 
 def words_of(link: Link, verdict: str = "") -> tuple[str, ...]:
     """The lines of the tooltip; ``verdict``: what the listener feels that the link is."""
-    if not link.source:
+    if not link.source or (link.first == link.second and not link.distance):
         return (link.first, verdict) if verdict else (link.first,)
     loss = change_words(-link.loss)
     if link.first == link.second:

@@ -197,7 +197,8 @@ def steps(window):
     yield from window.screenshot("struck")
     select("Hammer")
     yield from window.scroll_sidebar(-60)
-    yield from window.point_at('haptics.materials.items["Steel"].kappa')
+    steel = scene.haptics.materials.items.find("Steel")
+    yield from window.point_at(f"haptics.materials.items[{steel}].kappa")
     window.point(window.mouse[0], window.mouse[1] + 20)
     yield from window.press("LEFTMOUSE")
     yield 1.0
