@@ -125,7 +125,8 @@ def test_when_a_second_hit_is_an_impact(after, speed, parted, counts):
             actual=0 * one,
             passes=np.zeros(1, dtype=bool),
         )
-        return recent.of(hits, time, np.array([struck]), bodies, table)
+        estimated = np.zeros(1, dtype=np.bool_)
+        return recent.of(hits, time, np.array([struck]), estimated, bodies, table)
 
     (first,) = hit(1.0, 1.0, False)
     assert first.time == 1.0 and first.energy == pytest.approx(1.0)
