@@ -198,7 +198,9 @@ class Search:
             return (row, node, cost), (row[:0], node[:0], cost[:0])
         order = np.lexsort((node, row, cost))
         work = self.size[node[order]].cumsum()
-        count = max(1, int(work.searchsorted(BATCH, side="right")))
+        # More than are pending, or going through these each time would take longer than the steps.
+        most = max(BATCH, 2 * len(order))
+        count = max(1, int(work.searchsorted(most, side="right")))
         now, later = order[:count], order[count:]
         return (row[now], node[now], cost[now]), (row[later], node[later], cost[later])
 
