@@ -68,9 +68,7 @@ class Samples:
 
     def travels(self, body: int, reach: float) -> FloatArray:
         """How far any point of a body moves from one sample to the next (k - 1,) [m]."""
-        change = np.diff(self.poses[body], axis=1)
-        turn = np.sqrt((change[:9] ** 2).sum(axis=0))
-        return np.asarray(np.sqrt(dot(change[9:], change[9:])) + turn * reach)
+        return _travels(self.poses[body][:9], self.poses[body][9:], reach)
 
     def extents(self, table: BodyTable, grow: float) -> FloatArray:
         """How far each body extends on its way (2, 3, m), see `BodyTable.extents`."""
@@ -112,6 +110,15 @@ class KnownHits:
     def _count(self) -> int:
         return int(next(iter(self._samples.poses.values())).shape[1])
 
+    def _relative_travel(self, pair: IntArray) -> FloatArray:
+        """How far any point of one body of a pair moves, as seen from the other one, from one
+        sample to the next (k - 1,) [m]."""
+        reach = self._search.table.reach[pair]
+        large, small = pair[np.argsort(-reach)].tolist()
+        samples = np.arange(self._count)
+        turn, offset = relative_pose(self._posed(large, samples), self._posed(small, samples))
+        return _travels(turn.reshape(9, -1), offset, float(reach.min()))
+
     def _distances(self, pair: IntArray) -> FloatArray:
         """Signed distances (k,) of a pair at all samples, where they may come within the tolerance;
         elsewhere bounds above 0 [m]."""
@@ -123,16 +130,11 @@ class KnownHits:
             placing = relative_pose(self._posed(a, samples), self._posed(b, samples))
             return self._search.table.narrow.clearances(np.tile(pair, (len(samples), 1)), *placing)
 
-        reach, table = self._search.table.reach, self._search.table
-        moved = np.sum(
-            [
-                self._samples.travels(body, float(reach[body]))
-                for body in (a, b)
-                if body in self._samples.poses
-            ],
-            axis=0,
-        )
-        # Until the bodies may touch, or part, one distance tells.
+        table = self._search.table
+        moved = self._relative_travel(pair)
+        # Until the bodies may touch, or part, one distance tells; of those that move together none.
+        if moved.sum() <= _TOUCH:
+            return np.zeros(count)
         found = np.full(count, measured(np.array([2]))[0])
         farthest = table.tolerance(pair[:1], pair[1:], self._search.settings.tolerance)[0]
         if not -moved[2:].sum() <= found[2] <= moved[2:].sum() + farthest:
@@ -220,6 +222,13 @@ class KnownHits:
             poses = self._posed(body, np.arange(self._count))
             places.append(turned(poses[:9].reshape(3, 3, -1), local) + poses[9:])
         return np.asarray(hits.normal[k] @ (places[1] - places[0]))
+
+
+def _travels(turn: FloatArray, place: FloatArray, reach: float) -> FloatArray:
+    """How far any point within ``reach`` [m] of the origin of a body moves from one of its poses to
+    the next (k - 1,) [m]: rotations ``turn`` (9, k) and places (3, k)."""
+    way, turned_by = np.diff(place, axis=1), np.diff(turn, axis=1)
+    return np.asarray(np.sqrt(dot(way, way)) + np.sqrt((turned_by**2).sum(axis=0)) * reach)
 
 
 def touches(distances: FloatArray, step: float, reach: float = 0.0) -> list[tuple[int, float]]:

@@ -66,6 +66,25 @@ def test_every_listener_feels_the_jackhammer_and_none_more_than_it(played):
     assert first.amplitudes[0, legs].min() > 3 * first.amplitudes[0, ears].max()
 
 
+def share_of_a_blow(one, other):
+    """The effective mass of one crate that falls on another, of solid cubes of mass m and edge e:
+    1/m + d^2 / (m e^2 / 6) of each, at the horizontal distance d of its middle from that of the
+    area where both meet, here by the points of a grid."""
+    grid = np.stack(np.meshgrid(*[np.linspace(-0.3, 0.3, 601)] * 2), axis=-1)
+    crates = [jackhammer_bench.CRATES[number - 1] for number in (one, other)]
+    first = np.array(crates[0][3])
+    both = np.ones(grid.shape[:2], dtype=bool)
+    for edge, _, _, place, turn in crates:
+        x, y = np.moveaxis(grid + first - place, -1, 0)
+        c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
+        both &= (np.abs(c * x + s * y) <= edge / 2) & (np.abs(c * y - s * x) <= edge / 2)
+    middle = grid[both].mean(axis=0) + first
+    return 1 / sum(
+        (1 + 6 * ((middle - place) ** 2).sum() / edge**2) / mass
+        for edge, _, mass, place, _ in crates
+    )
+
+
 @pytest.mark.slow
 def test_crates_hit_with_the_energy_of_their_fall(played):
     found = {}
