@@ -295,7 +295,7 @@ SAID = (
 
 
 def small_part() -> bytes:
-    """A part of three frames."""
+    """A part of two frames, and the one with which they end."""
     sources = Source("saw", "box", (0.0, 0.0, 0.0), 0.3), Source("hit", "box", (0.0, 0.0, 0.0), 0.1)
     gains = Propagation.of_gains(np.full((2, 1), 0.5), None, np.full((2, 1), 0.01))
     frames = tuple(
@@ -305,7 +305,7 @@ def small_part() -> bytes:
         for n in (1, 2, 3)
     )
     origin = part_file.Origin(
-        "any", "any.blend", "0" * 64, "HT", (), (1, 3), 1, part_file.programs()
+        "any", "any.blend", "0" * 64, "HT", (), (1, 2), 1, part_file.programs()
     )
     with tempfile.TemporaryDirectory() as folder:
         part_file.write_part(
