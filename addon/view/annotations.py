@@ -93,6 +93,8 @@ def _add_cues(
             if not under:
                 break
             bottom = under[0][3] + 1 if is_low else under[0][1] - height - 1
+        if plate[1] < y0 or plate[3] > y1:
+            continue
         builder.panel(plate[:2], plate[2:], 4.0)
         taken.append(plate)
         builder.text(cue.words, _start(left, bottom), FAINT_INK)

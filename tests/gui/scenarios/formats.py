@@ -38,9 +38,12 @@ def steps(window):
     window.seen["written"] = [path.name for path in folder.iterdir()] == [
         "ride.hjif"
     ] and scene.frame_current == 40
-    window.seen["read"] = len(registry.read(folder / "ride.hjif").channels) == sum(
-        o.haptics.listener.enabled for o in scene.objects
-    )
+    levels = window.module("addon.view.watched").levels_of(scene)
+    names = {channel.name for channel in registry.read(folder / "ride.hjif").channels}
+    felt = {level.title for level in levels if level.is_felt}
+    window.seen[f"read by those who feel something: {sorted(names)}"] = felt and felt <= names < {
+        level.title for level in levels
+    }
 
     for _ in range(2):
         yield from browse(window, "haptic_tracks", folder / "poor.tact", formats={"tact"})

@@ -43,6 +43,7 @@ def steps(window):
     scene.frame_start, scene.frame_end = 1, 60
     with window.context():
         bpy.ops.haptic.bake("EXEC_DEFAULT")
+    scene.frame_end = 120
     scene.frame_set(60)
     yield 0.5
     whole_range()
