@@ -25,6 +25,8 @@ from ..session.sessions import Traced
 
 LEAST, MOST = -20.0, 40.0
 """Ends of a meter [dB above the threshold of feeling]."""
+_NOTHING = -60.0
+"""Margin [dB] that is no longer worth a number."""
 
 
 @frozen
@@ -58,8 +60,8 @@ class Level:
         return place_of(self.margin)
 
     def margin_text(self) -> str:
-        """The margin with its sign: "+23 dB", "−5 dB"; a dash for silence."""
-        return margin_words(self.margin) or "\N{EM DASH}"
+        """The margin with its sign: "+23 dB", "−5 dB"; a dash far below feeling."""
+        return margin_words(self.margin) if self.margin > _NOTHING else "\N{EM DASH}"
 
     def words(self) -> str:
         """The margin, or that nothing is felt."""
