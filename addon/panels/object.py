@@ -133,11 +133,12 @@ def draw_override(layout: UILayout, obj: Object) -> None:
 
 
 def draw_transmission(layout: UILayout, context: Context, obj: Object) -> None:
-    """Draw the material of an object with its κ and ρ."""
-    material = library_owner(context, obj)
-    _draw_material(layout, context.scene, obj.haptics.material, material)
-    if obj.haptics.function != "resilient":
-        draw_properties(layout, material or obj.haptics, "kappa", "rho")
+    """Draw the material of an object with its κ and ρ, those that a script may have set."""
+    material, own = library_owner(context, obj), obj.haptics
+    _draw_material(layout, context.scene, own.material, material)
+    if own.function != "resilient":
+        is_shared = material and (material.kappa, material.rho) == (own.kappa, own.rho)
+        draw_properties(layout, material if is_shared else own, "kappa", "rho")
     if obj.haptics.function == "physical":
         _draw_dial(layout, obj)
 

@@ -224,3 +224,19 @@ def test_the_export_panel_shows_what_each_listener_loses(tmp_path):
     assert "Lost in blow" in labels[place - 1]
     assert labels[place + 1 : place + 4] == ["-120.0 dB", "Missing onsets: 1", "0.50 s"]
     assert labels[place + 4] == "on hand.L"
+
+
+def test_dials_that_a_script_has_set_are_shown(add_box):
+    """Not those of the library's material, which count no longer."""
+    box = add_box("box", (0, 0, 0), (1, 1, 1), haptic=False)
+    _select(box)
+    box.select_set(True)
+    bpy.ops.haptic.make_objects()
+    material = bpy.context.scene.haptics.materials.items[box.haptics.material.name]
+    shown = {}
+    layout = recording_layout.RecordingLayout()
+    layout.prop = lambda owner, name, **_: shown.update({name: getattr(owner, name)})
+    for kappa in (material.kappa, 0.125):
+        box.haptics.kappa = kappa
+        _panel("HAPTIC_PT_object").draw(SimpleNamespace(layout=layout), bpy.context)
+        assert shown["kappa"] == kappa != 0.5

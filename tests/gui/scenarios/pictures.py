@@ -46,6 +46,7 @@ def steps(window):
     for number, name in enumerate("ABCBA"):
         bpy.context.view_layer.objects.active = cubes[name]
         yield 1.5
+        yield from window.scroll_sidebar(12)  # objects have more or fewer lines above the picture
         yield from window.screenshot(f"gain-{number}-{name}")
     # A picture has some 10,000 pixels, a curve some hundreds; the letter in the name has about ten.
     compared = {"gain-0-A": "gain-4-A", "gain-1-B": "gain-3-B"}
