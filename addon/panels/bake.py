@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Context, Scene, UILayout
 
 from ..bake import playback, storage, takes
@@ -85,25 +84,15 @@ def _draw_takes(layout: UILayout, scene: Scene) -> None:
 
 
 def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
-    """Draw each listener's level over the whole take, and its difference from the other take."""
+    """Draw by how much each listener's level over the whole take differs from the other take."""
     latest = takes.differences(scene)
     if latest is None or not latest.is_current:
         layout.label(text="Comparing...", icon="SORTTIME")
         return
     column = layout.column(align=True)
     column.scale_y = 0.8
-    show_pair(
-        column,
-        iface_("Level", "Haptics"),
-        ui_text("compared with {}", fitted(other, 0.3)),
-        0.35,
-    )
+    show(column, ui_text("Compared with {}", fitted(other, 0.5)))
     for item in latest.value:
         change = item.here - item.there
         words = levels.change_words(change) if math.isfinite(change) else "\N{EM DASH}"
-        show_pair(
-            column,
-            fitted(item.listener, 0.45),
-            f"{levels.decibels(item.here) if item.here == item.here else ''}   {words}",
-            0.45,
-        )
+        show_pair(column, fitted(item.listener, 0.68), words, 0.7)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
-from ...core.message import decibels as whole_decibels
+from ...core.message import decibels
 from ...core.render.frame_result import FrameResult
 from ...core.render.history import lasts, still_samples
 from ...core.render.levels import LEVEL_SECONDS as LEVEL_SECONDS
@@ -94,11 +94,6 @@ def place_of(margin: float) -> float:
     return min(max((margin - LEAST) / (MOST - LEAST), 0.0), 1.0)
 
 
-def decibels(level: float) -> str:
-    """A level as text: "−12 dB", or "silent"."""
-    return ui_text("silent") if level == -math.inf else whole_decibels(level)
-
-
 def change_words(change: float) -> str:
     """What is added to a level, in tenths of decibels with its sign: "−12.3 dB", or "silent"."""
     if change == -math.inf:
@@ -110,7 +105,7 @@ def margin_words(margin: float) -> str:
     """A margin in decibels with its sign: "+23 dB", "−5 dB", "0 dB", "" for silence."""
     if margin == -math.inf:
         return ""
-    return f"{'+' if round(margin) > 0 else ''}{whole_decibels(margin)}"
+    return f"{'+' if round(margin) > 0 else ''}{decibels(margin)}"
 
 
 def levels(result: FrameResult, samples: FloatArray) -> tuple[Level, ...]:

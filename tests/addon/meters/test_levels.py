@@ -9,7 +9,6 @@ from haptic_tracing.addon.scene_reader.reading import Reading
 from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.comparison import mode_amplitudes
 from haptic_tracing.addon.view.levels import (
-    decibels,
     levels,
     margin_words,
     place_of,
@@ -178,12 +177,12 @@ def test_a_frame_of_a_track_reads_what_was_recorded():
 def test_places_and_texts():
     places = [place_of(margin) for margin in (-math.inf, -20.0, 0.0, 10.0, 40.0, 60.0)]
     assert places == pytest.approx([0, 0, 1 / 3, 0.5, 1, 1])
-    assert [decibels(level) for level in (-math.inf, -11.6, -0.2, 0.0, 3.2)] == [
-        "silent",
+    assert [margin_words(margin) for margin in (-math.inf, -11.6, -0.2, 0.0, 3.2)] == [
+        "",
         "−12 dB",
         "0 dB",
         "0 dB",
-        "3 dB",
+        "+3 dB",
     ]
 
 
