@@ -292,14 +292,15 @@ class Conducted:
     def is_like(self, contacts: ContactSet, on: IntArray) -> bool:
         """Whether ``contacts`` join the same objects by the same functions, most of them where they
         were: to make all anew is faster than to replace many."""
-        return (
-            self.place is not None
-            and contacts.transmissions == self.given.transmissions
-            and np.array_equal(on, self.on)
-            and np.array_equal(contacts.pairs, self.given.pairs)
-            and 2 * np.count_nonzero(contacts.positions[:, 0] != self.given.positions[:, 0])
-            <= len(contacts)
-        )
+        if (
+            self.place is None
+            or contacts.transmissions != self.given.transmissions
+            or not np.array_equal(on, self.on)
+            or not np.array_equal(contacts.pairs, self.given.pairs)
+        ):
+            return False
+        moved = contacts.positions[:, 0] != self.given.positions[:, 0]
+        return bool(2 * np.count_nonzero(moved) <= len(contacts))
 
 
 @frozen(eq=False)
