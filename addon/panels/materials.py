@@ -93,7 +93,7 @@ class HAPTIC_PT_materials(ScenePanel):
 
 def draw_models(layout: UILayout) -> None:
     """Draw the choice between measured materials and the paper's model."""
+    layout.label(text="Model")
     row = layout.row(align=True)
-    row.label(text="Model")
     row.operator("haptic.set_model", text="Physical").model = "PHYSICAL"
     row.operator("haptic.set_model", text="As in the Paper").model = "PAPER"

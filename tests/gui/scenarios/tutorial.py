@@ -199,7 +199,7 @@ def steps(window):
     yield from window.scroll_sidebar(-60)
     steel = scene.haptics.materials.items.find("Steel")
     yield from window.point_at(f"haptics.materials.items[{steel}].kappa")
-    window.point(window.mouse[0], window.mouse[1] + 20)
+    window.point(window.mouse[0], window.mouse[1] + 15)
     yield from window.press("LEFTMOUSE")
     yield 1.0
     window.save_picture("materials")
