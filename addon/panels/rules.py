@@ -61,7 +61,7 @@ def draw_table(layout: UILayout, context: Context, table: str) -> Any:
                 end,
                 owner,
                 _FIELDS[kind],
-                text=" ",
+                text="",
                 translate=False,
                 icon=_ICONS[kind],
                 results_are_suggestions=True,
