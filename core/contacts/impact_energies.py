@@ -10,6 +10,7 @@ from ..arrays import FloatArray
 from .body_table import BodyTable
 from .impacts import Hits
 from .inertia import inertia_of
+from .narrow.frames import cross
 from .settings import Body, ImpactEnergy
 
 
@@ -75,7 +76,6 @@ def inverse_mass(
         return 0.0
     inertia = inertia_of(body.shape)
     mass = (body.mass or 0.0) if is_movable else inertia.volume * body.density
-    turn = pose[:9].reshape(3, 3)
-    twist = np.cross(centre - pose[9:] - turn @ inertia.centre, normal)
-    moment = turn @ inertia.moment @ turn.T
-    return float(1.0 + twist @ np.linalg.pinv(moment, hermitian=True) @ twist) / mass
+    back = pose[:9].reshape(3, 3).T
+    twist = cross(back @ (centre - pose[9:]) - inertia.centre, back @ normal)
+    return float(1.0 + twist @ inertia.inverse @ twist) / mass

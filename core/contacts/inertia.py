@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import field
 
 import numpy as np
 
@@ -18,12 +19,16 @@ _THIN = 1e-3
 
 @frozen(eq=False)
 class Inertia:
-    """``volume`` [m^3], ``centre`` (3,) of mass [m], and ``moment`` (3, 3) of inertia about it per
-    kilogram [m^2], in a body's own space."""
+    """``volume`` [m^3], ``centre`` (3,) of mass [m], ``moment`` (3, 3) of inertia about it per
+    kilogram [m^2], and its ``inverse``, in a body's own space."""
 
     volume: float
     centre: FloatArray
     moment: FloatArray
+    inverse: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "inverse", np.linalg.pinv(self.moment, hermitian=True))
 
 
 def inertia_of(shape: Shape) -> Inertia:

@@ -51,6 +51,12 @@ class ActiveImpact:
         """The names of the bodies."""
         return self.source.object, self.source.second_object or ""
 
+    def between(self, objects: tuple[int, int]) -> ActiveImpact:
+        """This impact with these numbers of its bodies."""
+        if objects == self.impact.objects:
+            return self
+        return replace(self, impact=replace(self.impact, objects=objects))
+
     def playing(
         self, objects: Mapping[str, HapticObject], settings: ContactSettings
     ) -> ActiveImpact:
@@ -119,7 +125,7 @@ class Impacts:
             return ()
         number = {name: row for row, name in enumerate(frame.names)} if self.active else {}
         self.active = tuple(
-            replace(item, impact=replace(item.impact, objects=(number[first], number[second])))
+            item.between((number[first], number[second]))
             for item in self.active
             for first, second in (item.bodies,)
             if first in number and second in number and (since is None or self._end(item) > since)
