@@ -200,6 +200,7 @@ def steps(window):
     steel = scene.haptics.materials.items.find("Steel")
     yield from window.point_at(f"haptics.materials.items[{steel}].kappa")
     window.point(window.mouse[0], window.mouse[1] + 15)
+    yield 0.3
     yield from window.press("LEFTMOUSE")
     yield 1.0
     window.save_picture("materials")
