@@ -16,7 +16,6 @@ from .contacts.settings import ContactSettings
 from .events.frame import Frame
 from .graph.haptic_graph import ObjectTable, build_graph
 from .propagation import propagate
-from .propagation.kept_paths import KeptPaths
 from .propagation.reuse import Inputs, Propagated
 from .render.arrival import arriving
 from .render.frame_result import FrameResult, Sounding
@@ -42,7 +41,6 @@ class Tracer:
         self.collisions = CollisionDetector(contact_settings or ContactSettings(), lazy, paths)
         self._table = Unchanged(ObjectTable.of)
         self._propagated: Propagated | None = None
-        self._search = KeptPaths()
         self._mixdown = Mixdown(sample_rate)
         self._time: float | None = None
         self._start = 0.0  # of the last frame
@@ -50,7 +48,6 @@ class Tracer:
     def reset(self) -> None:
         """Drop contacts, velocities and active signals."""
         self._time = None
-        self._search = KeptPaths()
         self.collisions.reset()
         self._mixdown.reset()
 
@@ -77,8 +74,6 @@ class Tracer:
             not frame.continuous or (self._time is not None and frame.time <= self._time)
         ):
             self.reset()
-        if frame.exact:  # of paths that are equally good, it must not matter which was found before
-            self._search = KeptPaths()
         table = self._table(frame.objects, frame.settings.epsilon)
         collisions = self.collisions.detect(frame, table, self._time, retrace)
         if not retrace:
@@ -141,9 +136,7 @@ class Tracer:
             )
             watch.lap("graph")
             known = self._propagated = Propagated(
-                inputs,
-                graph,
-                propagate(graph, inputs.settings, sounding_only=True, search=self._search),
+                inputs, graph, propagate(graph, inputs.settings, sounding_only=True)
             )
         else:
             watch.lap("graph")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..arrays import BoolArray, IntArray, ranges
@@ -16,30 +14,14 @@ COSTS_AT_ONCE = 1 << 22
 """Most pairs of a root and a node whose costs are in memory at a time."""
 
 
-KEPT = 1 << 20
-"""Most pairs of a root and a node whose costs are kept for the next frame."""
-
-
-@frozen(eq=False)
-class Grown:
-    """The ``trees`` of a search, and the ``roots``, ``bands`` and direction of it, as
-    `shortest_paths` takes them."""
-
-    trees: ShortestPaths
-    roots: Sequence[Sequence[int]]
-    bands: Sequence[int] | None
-    backwards: bool
-
-
-@frozen(eq=False)
+@frozen
 class BestPaths:
-    """The best ``paths``, the most nodes ``visited`` from one root, the number of connections
-    ``examined``, and the trees if one search has ``grown`` them all."""
+    """The best ``paths``, the most nodes ``visited`` from one root, and the number of connections
+    ``examined``."""
 
     paths: Paths
     visited: int = 0
     examined: int = 0
-    grown: Grown | None = None
 
 
 def best_paths(graph: HapticGraph, wanted: BoolArray, limit: float = LIMIT) -> BestPaths:
@@ -82,26 +64,27 @@ def _searched(
         start, target = target, start
     at_once = max(1, COSTS_AT_ONCE // graph.node_count)
     found, weak, visited, examined = [], [], 0, 0
-    grown = None
     for begin in range(0, len(first), at_once):
         here = ((tree >= begin) & (tree < begin + at_once)).nonzero()[0]
         mine = first[begin : begin + at_once]
         own, goal = tree[here] - begin, target[here]
-        roots = [sorted(set(nodes)) for nodes in start[mine].tolist()]
-        bands = band[row[mine]].tolist() if by_band else None
-        trees = shortest_paths(graph, roots, bands, _targets(own, goal), backwards, limit)
+        trees = shortest_paths(
+            graph,
+            [sorted(set(nodes)) for nodes in start[mine].tolist()],
+            band[row[mine]].tolist() if by_band else None,
+            _targets(own, goal),
+            backwards,
+            limit,
+        )
         nearest = trees.cost[own[:, None], goal].argmin(axis=1)
         node = goal[np.arange(len(goal)), nearest]
         there = trees.entry[own, node] >= 0
         weak.append(pairs[here[~there & trees.cut[own]]])
-        every = bool(there.all()) or not graph.uses_bands
         here, own, node = here[there], own[there], node[there]
         found.append(_walked(graph, trees, pairs[here], own, node, backwards))
         visited = max(visited, int((trees.entry >= 0).sum(axis=1).max()))
         examined += trees.examined
-        if every and trees.cost.size <= KEPT and len(mine) == len(first):
-            grown = Grown(trees, roots, bands, backwards)
-    return BestPaths(_in_order(found), visited, examined, grown), np.concatenate(weak)
+    return BestPaths(_in_order(found), visited, examined), np.concatenate(weak)
 
 
 def _targets(tree: IntArray, target: IntArray) -> list[IntArray]:

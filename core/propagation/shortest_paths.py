@@ -66,14 +66,12 @@ class ShortestPaths:
         entry: (r, n) the node through which that object was entered (a root in its own object), or
             -1.
         cut: (r,) whether the limit has ended some path.
-        limit: (r,) cost beyond which nothing was of interest in the end.
         examined: number of connections examined.
     """
 
     cost: FloatArray
     entry: IntArray
     cut: BoolArray
-    limit: FloatArray
     examined: int
 
 
@@ -99,7 +97,7 @@ def shortest_paths(
     """
     row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
     node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
-    search = Search(graph, len(roots), bands, targets, backwards, limit)
+    search = _Search(graph, len(roots), bands, targets, backwards, limit)
     pending = row, node, np.zeros(len(node))
     connections = int((search.size - 1).sum())
     steps = 0
@@ -121,7 +119,7 @@ Entries = tuple[IntArray, IntArray, FloatArray]
 """Row, node and cost (k,) of entries: an object is entered through the node at that cost."""
 
 
-class Search:
+class _Search:
     """State of the search: the costs and entries so far.
 
     Arrays that depend on the frequency band hold those of one band after the other; ``lane`` says
@@ -364,9 +362,5 @@ class Search:
         self.arrival[self.entry < 0] = math.inf
         shape = len(self.limits), self.count
         return ShortestPaths(
-            self.arrival.reshape(shape),
-            self.entry.reshape(shape),
-            self.cut,
-            self.limits,
-            self.examined,
+            self.arrival.reshape(shape), self.entry.reshape(shape), self.cut, self.examined
         )

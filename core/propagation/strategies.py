@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from ..arrays import BoolArray
 from ..graph.distance_only import distance_only
 from ..graph.haptic_graph import HapticGraph
 from ..message import Cause, Message
 from ..scene.bands import BAND_COUNT
 from ..scene.choices import Mode, SourceKind, Strategy
 from ..scene.values import Settings
-from .best_path import BestPaths, best_paths
+from .best_path import best_paths
 from .breadth_first import PathSums, sums_over_paths
 from .modes import direct_gains, nearest_listener
 from .paths import Paths
@@ -32,19 +29,13 @@ def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
     return Strategy.BEST_PATH
 
 
-def propagate(
-    graph: HapticGraph,
-    settings: Settings,
-    sounding_only: bool = False,
-    search: Callable[[HapticGraph, BoolArray], BestPaths] = best_paths,
-) -> Propagation:
+def propagate(graph: HapticGraph, settings: Settings, sounding_only: bool = False) -> Propagation:
     """Gains from every source to every listener of the graph.
 
     Args:
         graph: the haptic graph.
         settings: mode, strategy and limits.
         sounding_only: leave out sources of amplitude 0; their gains are 0.
-        search: for the best paths of pairs (s, l).
 
     Raises:
         ValueError: if an expression gives no valid gain, with the name of the object.
@@ -68,7 +59,7 @@ def propagate(
     led = wanted.copy()
     for row, found in sums.items():
         led[row] &= found.paths > 0
-    best = search(graph, led)
+    best = best_paths(graph, led)
     places = tuple(best.paths.pairs.T)
     cost, band_cost, late = best.paths.sums(graph)
     gain = np.zeros(shape)
