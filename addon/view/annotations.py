@@ -159,7 +159,8 @@ def _add_labels(
         builder.plate((left, bottom), (right, top), PLATE, 4.0)
         start, base = _start(left, bottom)
         builder.text(titles[k], (start, base), INK)
-        builder.text(values[k], (start + float(names[k]) + space, base), label.colour)
+        if values[k]:
+            builder.text(values[k], (start + float(names[k]) + space, base), label.colour)
 
 
 def _along_paths(lines: Lines) -> FloatArray:

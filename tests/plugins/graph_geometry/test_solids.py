@@ -97,8 +97,9 @@ def test_operator_makes_and_replaces_the_graph(scene, camera, shown):
         "Haptic Labels",
         "Haptic Graph: truck",
         "Haptic Graph: driver",
-        "Haptic Graph: Source",
+        "Haptic Graph: Amplitude",
     } <= names
+    assert all(obj.data.body for obj in collection.objects if obj.type == "FONT")
     before = len(bpy.data.meshes), len(bpy.data.curves), len(bpy.data.materials)
     shown()
     assert bpy.ops.haptic.graph_to_geometry(thickness=2.0) == {"FINISHED"}
