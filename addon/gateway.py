@@ -26,7 +26,7 @@ _LENT = {
     "addon.io": "capture drawings frame_scene signal_library sound_source vibration_signal",
     "addon.live_output": "outputs player preview",
     "addon.properties": "actuators",
-    "addon.scene_reader": "functions kept_signal settings triggers",
+    "addon.scene_reader": "bone_parts functions kept_signal settings triggers",
     "addon.session": "session",
     "addon.view": "comparison explanation gain_plot inspection lane levels "
     "meter_layout meters overlay "

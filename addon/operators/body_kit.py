@@ -11,7 +11,7 @@ from ..authoring import body_kit, footsteps, materials
 from ..blender.polling import LINKED, SOLID_TYPES, UNDO, Edit, OnActive, editable, is_editable
 from ..blender.words import TranslatedError
 from ..properties.kinds import choice, text
-from ..scene_reader.bone_parts import armature_of as moved_by
+from ..scene_reader import bone_parts
 from ..scene_reader.roles import haptic_carrier
 from .materials import BODY_ITEMS
 from .tagging import make_haptic
@@ -133,7 +133,7 @@ class HAPTIC_OT_add_footsteps(Edit):
             raise TranslatedError("'{}' moves no mesh with its feet", armature.name)
         for skin in skins:
             footsteps.add_rule(scene, skin)
-            if moved_by(skin) is None:
+            if bone_parts.armature_of(skin) is None:
                 self.warn("'{}' has modifiers beside its armature: apply them first", skin.name)
         make_haptic(scene, skins)
         scene.haptics.impacts = True
