@@ -218,5 +218,5 @@ def steps(window):
     yield from window.click_button("haptic.bake")
     track_of = window.module("addon.bake.storage").track_of
     yield from window.wait_until(lambda: track_of(scene) is not None)
-    window.seen["baked"] = track_of(scene).frame_count == scene.frame_end
+    window.seen["baked"] = track_of(scene).frame_end == scene.frame_end
     yield from window.screenshot("baked")
