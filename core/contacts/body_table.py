@@ -38,6 +38,7 @@ class BodyTable:
             sheet counts by its width.
         rest_limits: (12, n) changes of the elements of a pose that count as rest.
         mass: (n,) [kg], 0 of a body without.
+        weighed: (n,) which bodies have the mass of their volume.
         dynamic: (n,) which bodies a simulation moves.
         movable: (n,) which bodies yield to a blow: they have a mass, and move or are moved.
         full_energy: of blows of full strength where no rule says which that is [J].
@@ -62,6 +63,7 @@ class BodyTable:
         self.rest_limits = np.empty((12, count))
         self._set_sizes(slice(count), local)
         self.mass = np.array([body.mass or 0.0 for body in bodies], dtype=np.float64)
+        self.weighed = np.array([body.is_weighed_by_volume for body in bodies], dtype=np.bool_)
         self.dynamic = np.array([body.motion is Motion.DYNAMIC for body in bodies], dtype=np.bool_)
         self.medium = np.array([body.medium for body in bodies], dtype=np.bool_)
         static = np.array([body.motion is Motion.STATIC for body in bodies], dtype=np.bool_)

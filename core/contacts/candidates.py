@@ -13,6 +13,9 @@ from .contact_set import ContactSet
 from .narrow.body_patches import PairPatches
 from .narrow.frames import dot, smooth_step, turned, turned_back
 
+_MEET = 1e-4
+"""Largest gap of pairs that meet [m]."""
+
 _RESTING = 0.2
 """Part of the tolerance up to which a gap counts as that of bodies at rest."""
 
@@ -37,6 +40,7 @@ class Candidates:
         known: (p,) whether ``values`` are those of a query.
         touching: (p,) in contact.
         struck: (p,) no further impact until the pair parts.
+        open: (p,) not found to meet since the bounds began to overlap, or since it parted.
         examined: (p,) whether the pair was queried, or found unmoved, in the last frame. Pairs that
             no signal can pass are not.
         version: (2, p) versions of the poses of the larger and of the smaller body at the query.
@@ -49,6 +53,7 @@ class Candidates:
     known: BoolArray
     touching: BoolArray
     struck: BoolArray
+    open: BoolArray
     examined: BoolArray
     version: IntArray
     values: FloatArray
@@ -65,6 +70,7 @@ class Candidates:
             known,
             touching,
             struck,
+            open=np.ones(count, dtype=np.bool_),
             examined=np.ones(count, dtype=np.bool_),
             version=np.full((2, count), -1),
             values=np.zeros((_ROWS, count)),
@@ -85,6 +91,7 @@ class Candidates:
             known=self.known[place] & here,
             touching=self.touching[place] & here,
             struck=self.struck[place] & here,
+            open=self.open[place] | ~here,
             examined=self.examined[place] | ~here,
             version=self.version.take(place, axis=1),
             values=self.values.take(place, axis=1),
@@ -98,6 +105,11 @@ class Candidates:
     def distance(self) -> FloatArray:
         """Signed distances (p,) at the last query [m]."""
         return np.asarray(self.values[DISTANCE])
+
+    @property
+    def meet(self) -> BoolArray:
+        """Which pairs (p,) have no gap."""
+        return self.distance <= _MEET
 
     def bodies(self, rows: IntArray) -> IntArray:
         """Numbers (k, 2) of the larger and the smaller bodies of some pairs."""

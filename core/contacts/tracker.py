@@ -363,7 +363,7 @@ class ContactTracker:
         known: KnownHits | None,
         warnings: tuple[Message, ...],
         exact: bool,
-        limbs: bool,
+        unsearched: bool,
     ) -> FrameContacts:
         """The contacts of this frame.
 
@@ -374,7 +374,7 @@ class ContactTracker:
             known: the hits of bodies whose motion is known, None without these.
             warnings: about bodies that were left out.
             exact: as in `update`.
-            limbs: whether those of skins strike.
+            unsearched: whether parts of skins strike, and what has the mass of its volume.
         """
         table = self._table
         old = self._pairs
@@ -384,6 +384,10 @@ class ContactTracker:
             self._near.key[met], self._near.larger[met], self._near.smaller[met]
         )
         broad = perf_counter() - self._begun
+        blows: list[Impact] = []
+        if unsearched and self.settings.energy is ImpactEnergy.EFFECTIVE:
+            blows += self._of_limbs() if table.limbs else []
+            blows += self._of_weighed(endpoints, exact) if table.weighed.any() else []
         fresh = pairs.fresh(self._poses)
         exactly = Hits.none() if known is None else known.hits()
         meetings = None
@@ -393,7 +397,6 @@ class ContactTracker:
             free = search.able[~among(search.keys, struck) & ~among(search.keys, keys)]
             meetings = search.meetings(pairs, free)
             sounding = striking | self._struck_by(search, exactly, meetings)
-        blows = self._of_limbs() if limbs and table.limbs else []
         if blows:
             sounding = sounding.copy()
             sounding[[number for blow in blows for number in blow.objects]] = True
@@ -438,6 +441,7 @@ class ContactTracker:
             impacts = tuple(sorted([*impacts, *blows], key=lambda each: (each.time, each.objects)))
         pairs.touching &= examined
         pairs.examined = examined
+        pairs.open = np.where(examined, ~(pairs.touching & pairs.meet), pairs.open)
         self._settle(before, distance, impacts)
         if search is not None:
             self._history.disturb(self._history.deviated(search.paths) & table.dynamic)
@@ -455,14 +459,44 @@ class ContactTracker:
 
     def _of_limbs(self) -> list[Impact]:
         """The impacts of the parts of skins since the last frame."""
-        if self.settings.energy is not ImpactEnergy.EFFECTIVE:
-            return []
         pairs, history = self._pairs, self._history
         skins = np.zeros(len(self._table), dtype=np.bool_)
         skins[[*self._table.limbs]] = True
         rows = (pairs.one_of(skins) & ~among(pairs.key, self._table.passing)).nonzero()[0]
         several = self.bodies, self._table, pairs.bodies(rows), history.times, history.poses
         return self._limbs.impacts(*several)
+
+    def _of_weighed(self, endpoints: Endpoints | None, exact: bool) -> list[Impact]:
+        """The impacts, since the last frame, of what has the mass of its volume on what can't be
+        moved: of pairs that begin to touch, because only these are examined. ``endpoints`` and
+        ``exact`` as in `update`."""
+        table, pairs, history = self._table, self._pairs, self._history
+        strikes = pairs.one_of(table.weighed & history.moving()) & ~pairs.one_of(table.movable)
+        strikes &= (table.layers[pairs.larger] & table.layers[pairs.smaller]) > 0
+        strikes &= pairs.open & ~among(pairs.key, table.passing)
+        if endpoints is not None:
+            strikes &= self._near.in_heaps_of(endpoints.heard)[pairs.larger]
+        rows = strikes.nonzero()[0]
+        if not len(rows):
+            return []
+        self._examine_last_frame(rows[~pairs.examined[rows]])
+        before = pairs.touching & pairs.examined
+        apart = ~(before & pairs.meet) & ~pairs.one_of(self._new)
+        self._query(rows, before, None, exact)
+        begun = rows[(pairs.touching & pairs.meet & apart)[rows]]
+        paths = None
+        if len(begun):
+            paths = history.paths(~table.dynamic, self._airborne, np.array(self.settings.gravity))
+        if paths is None:
+            return []
+        able = self._near.key.searchsorted(pairs.key[begun])
+        search = HitSearch(self.settings, table, self._poses, self._near, paths, able)
+        hits = table.time_of_impact.hits_at(search.meetings(pairs, able))
+        hits = search.confirmed(hits, pairs.key[begun])
+        yes, time = np.ones(len(hits), dtype=np.bool_), history.times[-1]
+        self._recent.expire(time, paths.duration)
+        told = self._recent.of(hits, time - paths.duration, ~yes, yes, self.bodies, table)
+        return [*told]
 
     def _struck_by(self, search: HitSearch, exactly: Hits, meetings: Meetings | None) -> BoolArray:
         """Which bodies (n,) may be struck in this interval: those that hit each other ``exactly``,
