@@ -93,9 +93,11 @@ def of_units(scene: Scene) -> Hint | None:
 
 
 def _has_sources(scene: Scene, traced: sessions.Traced) -> bool:
-    """True if there is a source, or if bodies with a mass move, whose impacts, sliding or rolling
-    are sources."""
+    """True if there is a source, or if bodies with a mass, or skins, may move, whose impacts,
+    sliding or rolling are sources."""
     if traced.result.sources or traced.reading is None or traced.reading.sources:
         return True
     excites = scene.haptics.impacts or len(scene.haptics.textures.items) > 0
-    return excites and any(body.mass and body.motion != "static" for body in traced.reading.bodies)
+    return excites and any(
+        (body.mass or body.limbs) and body.motion != "static" for body in traced.reading.bodies
+    )

@@ -154,3 +154,26 @@ def test_what_strikes_nothing_is_said_with_the_character(scene, walker, add_box)
     assert "what it walks on" in hints.striking_nothing(scene)[1]
     bpy.ops.haptic.add_footsteps()
     assert hints.striking_nothing(scene) is None
+
+
+def test_what_is_keyed_strikes_without_a_rigid_body(scene, add_box):
+    """A box of 0.2 m comes down 1.2 m in half a second: half of 8 l of its material's density."""
+    floor = add_box("floor", (0, 0, -0.1), (2, 2, 0.2))
+    floor.haptics.listener.enabled = True
+    box = add_box("hammer", (0, 0, 1.3), (0.2, 0.2, 0.2))
+    box.haptics.function = "physical"
+    for frame, height in ((1, 1.3), (13, 0.1), (24, 0.1)):
+        box.location.z = height
+        box.keyframe_insert("location", frame=frame)
+    for curve in curves_of(box):
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+    scene.frame_end = 24
+    ((frame, impact),) = blows_of(scene)
+    density = next(
+        item.propagation.density
+        for item in sessions.shown(scene).reading.objects
+        if item.name == "hammer"
+    )
+    assert frame == 13
+    assert impact.energy == pytest.approx(0.2**3 * density * 2.4**2 / 2, rel=0.02)
