@@ -1,7 +1,8 @@
 """A thousand impacts: dominoes in a spiral of four arms, each felled by the one before, felt
 through the ground on a bench.
 
-``count`` dominoes make ``count - ARMS`` impacts.
+``count`` dominoes fell ``count - ARMS`` others; some strike the foot of the next once more as they
+come to lie on it, and the last ones strike the ground.
 """
 
 from __future__ import annotations

@@ -143,7 +143,8 @@ def test_every_domino_strikes_the_next_and_the_last_ones_the_ground(build, resul
     last = count // domino_wall.ARMS
     for a in letters:
         ground = energies.pop(frozenset((f"Domino {a}{last:03d}", "Ground")))
-        # It may strike the ground twice: as it tips, and flat, with what all of its arm fell.
+        # It may strike the ground twice: with its foot, as it has jumped, and flat, with at most
+        # what all of its arm fell.
         thickness, _, height = domino_wall.DOMINO
         fallen = last * domino_wall.MASS * 9.81 * (height - thickness) / 2
         assert 0.1 < max(ground) < fallen
