@@ -152,6 +152,29 @@ def test_bodies_that_move_together_keep_their_contacts():
     assert queries <= 3
 
 
+def test_whatever_moves_as_one_keeps_what_would_be_found_anew():
+    """Boxes, a hull, a mesh and a compound on each other under any rigid motions: of those that
+    touch, none is asked for again."""
+    generator = np.random.default_rng(5)
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = [half for a, b, c, d in quads for half in ((a, b, c), (a, c, d))]
+    pieces = Compound.of(((Box((1, 0.2, 0.2)), Pose((0, 0, 0.3))), (Box((1, 1, 0.4)), Pose())))
+    stacked = [Box((4, 4, 0.2)), Box((1, 1, 1)), ConvexHull(CUBE), Mesh(CUBE, faces), pieces]
+    places = [(0, 0, 0), (1, 0, 0.595), (-1, 0.5, 0.6), (-1, 0.5, 1.59), (1, 0.2, 1.29)]
+    local = moved(places, generator.normal(size=(5, 3)) * [0, 0, 0.3])
+    bodies = [Body(f"b{k}", shape, motion="kinematic") for k, shape in enumerate(stacked)]
+    tracker = ContactTracker(bodies)
+    for frame in range(12):
+        way = moved(generator.uniform(-5, 5, (1, 3)), generator.normal(size=(1, 3)))[0]
+        found = tracker.update(frame / 24, way @ local)
+        anew = rows(ContactTracker(bodies).update(0.0, way @ local).contacts)
+        kept = rows(found.contacts)
+        assert kept.keys() == anew.keys() == {(0, 1), (0, 2), (2, 3), (1, 4)}
+        assert_among(kept, anew, 1e-9)
+        if frame:
+            assert found.statistics.queries <= found.statistics.candidates - len(anew)
+
+
 def test_contacts_begin_and_end_at_the_tolerance():
     """A contact depends on the poses alone; whether its pair has parted, on the past, see
     `test_dropped_bodies`."""
