@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from bpy.types import Collection, Depsgraph, Mesh, Object, Scene
+from bpy.types import Action, Collection, Depsgraph, Mesh, Object, Scene
 
 from ...core.frozen import frozen
 from ..blender.arrays import read_array
@@ -19,7 +19,7 @@ class Evaluation:
         objects: that were evaluated, by session id.
         edited: session ids of the meshes, and of the objects whose geometry or rigid body may have
             changed, with the compounds that they are parts of.
-        joints: whether a rigid body constraint may have changed.
+        joints: whether a rigid body constraint or a curve may have changed.
         names_all: whether nothing else has changed, and no object has come or gone.
     """
 
@@ -52,6 +52,8 @@ class Evaluation:
                     names_all = False
             elif isinstance(changed, Mesh) and is_reshaped:
                 edited.add(changed.session_uid)
+            elif isinstance(changed, Action):
+                joints = True
             elif isinstance(changed, (Scene, Collection)):
                 names_all = False
         joints |= moved and not names_all

@@ -16,6 +16,7 @@ from ...core.scene.values import HapticObject, Settings, Vector
 from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
+from .joints import joints_of
 from .problem import Problem
 from .rules import read_tables
 
@@ -77,6 +78,7 @@ def read_contact_settings(scene: Scene, tables: Form) -> ContactSettings:
     values["templates"] = ImpactTemplates.BY_MATERIAL
     values["gravity"] = gravity_of(scene)
     values["passing"] = tuple(sorted(_passing(scene)))
+    values["joints"] = joints_of(scene)
     if scene.rigidbody_world is not None:
         values["time_scale"] = max(shortest(scene.rigidbody_world.time_scale), 1e-3)
     return ContactSettings(**{**values, **tables})

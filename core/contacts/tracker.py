@@ -19,6 +19,7 @@ from .candidates import DISTANCE, Candidates
 from .contact_set import ContactSet
 from .hit_search import PRESSING_DISTANCE, HitSearch
 from .impacts import Hits, Impact
+from .joints import Joints
 from .known_motion import KnownHits, KnownMotion, Samples
 from .limbs import Limbs
 from .motion import HITCH, PAUSE, MotionHistory
@@ -108,12 +109,16 @@ class ContactTracker:
         before: ContactTracker | None = None,
     ) -> None:
         self.settings = settings or ContactSettings()
-        self.bodies = tuple(bodies)
-        self._table: BodyTable = BodyTable(
-            bodies, None if before is None else before._table, self.settings.passing
-        )
+        self._take(bodies, None if before is None else before._table)
         self._striking = Striking(self.settings)
         self.reset()
+
+    def _take(self, bodies: Sequence[Body], before: BodyTable | None) -> None:
+        """Take over other bodies, and what is known of their shapes from a table ``before``."""
+        settings = self.settings
+        self.bodies = tuple(bodies)
+        self._table: BodyTable = BodyTable(bodies, before, settings.passing)
+        self._joints: Joints = Joints(self._table, bodies, settings.joints, settings.tolerance)
 
     def reset(self) -> None:
         """Drop all history: the next update begins no contact and makes no impact."""
@@ -166,7 +171,7 @@ class ContactTracker:
             if not posed[k] and bodies[k] != before[k]:
                 fits = False
         if not fits:
-            self._table = BodyTable(bodies, table, self.settings.passing)
+            self._take(bodies, table)
         if names != list(known) or len(known) < len(before):
             number = {body.name: k for k, body in enumerate(before) if body.name in known}
             self._renumber(
@@ -266,8 +271,10 @@ class ContactTracker:
         else:
             striking = np.zeros(len(self.bodies), dtype=np.bool_)
             self._history.disturb(~striking)
-        if impacts and endpoints is not None:
-            late = ~self._pairs.examined & self._pairs.one_of(striking)
+        if impacts:
+            pairs = self._pairs
+            held, able = self._joined(pairs, search)
+            late = ~pairs.examined & np.where(held, able, pairs.one_of(striking))
             if self._examine_last_frame(late.nonzero()[0]):
                 search = self._near_pairs(moved, impacts, samples)
         known = None if search is None or samples is None else KnownHits(search, samples)
@@ -277,6 +284,14 @@ class ContactTracker:
         self._last, self._last_endpoints = result, endpoints
         self._new[:] = False
         return result
+
+    def _joined(self, pairs: Candidates, search: HitSearch | None) -> tuple[BoolArray, BoolArray]:
+        """Which of some pairs (p,) a joint holds, and which a ``search`` for hits is about: only
+        these of the former are traced."""
+        able = np.zeros(len(pairs.key), dtype=np.bool_)
+        if search is not None:
+            able = among(pairs.key, search.keys)
+        return among(pairs.key, self._joints.holding(self._poses)), able
 
     def _place(self, time: float, transforms: FloatArray) -> tuple[IntArray, tuple[Message, ...]]:
         """Store the poses that have changed. Returns the numbers of their bodies, and warnings
@@ -404,8 +419,8 @@ class ContactTracker:
         examined = requested | fresh
         if endpoints is not None:
             examined |= pairs.one_of(striking)
-        if search is not None:
-            examined |= among(pairs.key, search.keys)
+        held, able = self._joined(pairs, search)
+        examined = (examined & ~held) | able
         self._examine_last_frame((examined & ~pairs.examined).nonzero()[0])
         before = pairs.touching & pairs.examined
         distance = pairs.distance.copy()
@@ -442,16 +457,16 @@ class ContactTracker:
         pairs.touching &= examined
         pairs.examined = examined
         pairs.open = np.where(examined, ~(pairs.touching & pairs.meet), pairs.open)
-        self._settle(before, distance, impacts)
+        self._settle(before, distance, impacts, held)
         if search is not None:
             self._history.disturb(self._history.deviated(search.paths) & table.dynamic)
             self._history.hit(hits.pairs, hits.time)
         near = pairs.distance <= table.tolerance(
             pairs.larger, pairs.smaller, self.settings.tolerance
         )
-        reported = pairs.touching & requested & near
+        reported = (held | (pairs.touching & near)) & requested
         return FrameContacts(
-            contacts=self._reported_contacts(reported.nonzero()[0], exact),
+            contacts=self._reported_contacts(reported.nonzero()[0], held, exact),
             impacts=impacts,
             statistics=ContactStatistics(len(pairs.key), self._queries, broad),
             warnings=warnings,
@@ -546,6 +561,7 @@ class ContactTracker:
         before: BoolArray,
         distance: FloatArray,
         impacts: Sequence[Impact],
+        held: BoolArray,
     ) -> None:
         """Update which pairs make no further impact until they part, and which bodies are in free
         flight.
@@ -554,6 +570,7 @@ class ContactTracker:
             before: whether each pair touched in the last frame (p,).
             distance: of the pairs in the last frame (p,) [m].
             impacts: of this frame.
+            held: which pairs a joint holds (p,).
         """
         pairs = self._pairs
         settled = before & (distance - pairs.distance <= _CREEP * self._history.step)
@@ -562,10 +579,11 @@ class ContactTracker:
             settled |= among(pairs.key, np.sort(hit))
         pairs.struck = pairs.touching & (pairs.struck | settled | pairs.one_of(self._new))
         self._airborne = self._table.dynamic.copy()
-        self._airborne[pairs.bodies(pairs.struck.nonzero()[0])] = False
+        self._airborne[pairs.bodies((pairs.struck | held).nonzero()[0])] = False
 
-    def _reported_contacts(self, rows: IntArray, exact: bool) -> ContactSet:
-        """Contacts of the pairs ``rows``; those of the last frame where neither body has moved."""
+    def _reported_contacts(self, rows: IntArray, held: BoolArray, exact: bool) -> ContactSet:
+        """Contacts of the pairs ``rows``, of those that a joint holds at the pivot; those of the
+        last frame where neither body has moved."""
         # Whether a pair has parted depends on the past, by the slack; its contact only on the
         # poses.
         pairs = self._pairs
@@ -574,12 +592,22 @@ class ContactTracker:
         computed = exact and self._queries > 0
         before, self._reported = self._reported, state
         if self._last is None or computed or not np.array_equal(state[0], before[0]):
-            return pairs.contacts(rows, self._table, self._poses, self.settings.tolerance)
+            return self._contacts_of(rows, held)
         changed = (state[1:] != before[1:]).any(axis=0).nonzero()[0]
         if len(changed) == 0:
             return self._last.contacts
-        here = pairs.contacts(rows[changed], self._table, self._poses, self.settings.tolerance)
+        here = self._contacts_of(rows[changed], held)
         return with_rows(self._last.contacts, ARRAYS, changed, here)
+
+    def _contacts_of(self, rows: IntArray, held: BoolArray) -> ContactSet:
+        """Contacts of the pairs ``rows`` (k,), of those that a joint holds (p,) at the pivot."""
+        pairs = self._pairs
+        found = pairs.contacts(rows, self._table, self._poses, self.settings.tolerance)
+        joined = held[rows].nonzero()[0]
+        if len(joined) == 0:
+            return found
+        at_pivots = self._joints.contacts(pairs.key[rows[joined]], self._poses)
+        return with_rows(found, ARRAYS, joined, at_pivots)
 
     def _requested(self, endpoints: Endpoints | None, striking: BoolArray) -> BoolArray:
         """Which candidate pairs (p,) the caller wants: those in heaps that hold both a listener and

@@ -12,6 +12,7 @@ from ..frozen import frozen
 from .functions import ModulationFunction, require_gains
 from .impact_rule import FULL_ENERGY, LEAST_ENERGY, REFRACTORY, TEMPLATES, ImpactLimits, ImpactRule
 from .impact_rule import ImpactTemplates as ImpactTemplates
+from .joint import Joint
 from .rule_table import MOST_ROWS, RuleTable
 from .texture import Texture
 
@@ -108,6 +109,9 @@ class ContactSettings(Declared):
         "Pairs of objects that pass through each other without impacts, sliding or rolling; "
         "default none",
         1_000_000,
+    )
+    joints: tuple[Joint, ...] = part(
+        (), "joint", "Pivots that hold two objects together; default none", 1_000_000
     )
     impact_table: RuleTable[ImpactRule] = part(
         RuleTable(),

@@ -365,3 +365,29 @@ def test_a_sheared_object_touches_where_it_is_seen(add_box, mirrored):
                     touching += 1
                     assert found == pytest.approx(distance, abs=1e-5) if distance > 0 else found < 0
     assert touching >= 40 and apart >= 20
+
+
+@pytest.mark.parametrize("through_empties", [False, True])
+def test_a_keyed_link_conducts_at_its_joint(scene, add_box, add_empty, through_empties):
+    """A forearm, scaled, turns by 1 rad about its end in the end of an upper arm that turns."""
+    upper = add_box("upper", (0, 0, 1), (0.2, 0.2, 1), haptic=True)
+    fore = add_box("fore", (0, 0, 1.99), (0.2, 0.2, 1), haptic=True)
+    bpy.context.view_layer.update()
+    elbow = add_empty("elbow", (0, 0, 1.5))
+    shoulder = add_empty("shoulder", (0, 0, 0.5))
+    bpy.context.view_layer.update()
+    for child, parent in ((upper, shoulder), (fore, elbow), (elbow, shoulder)):
+        child.parent, child.matrix_parent_inverse = parent, parent.matrix_world.inverted()
+    if not through_empties:
+        elbow.parent, elbow.matrix_parent_inverse = upper, upper.matrix_world.inverted()
+    for obj in (shoulder, elbow):
+        obj.rotation_mode = "XYZ"
+        for frame in (1, 20):
+            obj.rotation_euler.x = frame / 20
+            obj.keyframe_insert("rotation_euler", frame=frame)
+    for frame in (1, 7, 20):
+        scene.frame_set(frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        (contact,) = session.trace(scene, depsgraph).contacts.positions
+        pivot = np.array(elbow.matrix_world.translation)
+        assert np.abs(contact - pivot).max() < 0.006

@@ -15,6 +15,7 @@ from ...forms import Form, JsonObject
 from ...scene.device_mapping import ActuatorMapping, DeviceMapping
 from ...scene.functions import TRANSMISSIONS, Spectrum
 from ...scene.impact_rule import ImpactLimits, ImpactRule
+from ...scene.joint import Joint
 from ...scene.library import LibraryMaterial
 from ...scene.rules import ContactSettings
 from ...scene.texture import Texture
@@ -31,6 +32,7 @@ DEFINED: dict[str, type] = {
     "rules": ContactSettings,
     "impact_rule": ImpactRule,
     "impact_limits": ImpactLimits,
+    "joint": Joint,
     "texture": Texture,
     "object": HapticObject,
     "contact": Contact,

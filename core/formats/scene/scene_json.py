@@ -131,7 +131,7 @@ def _all_values(item: Settings | ContactSettings) -> JsonObject:
     }
 
 
-_OPTIONAL = ("passing", "impact_table", "transmission_table", "textures")
+_OPTIONAL = ("passing", "joints", "impact_table", "transmission_table", "textures")
 
 
 def _lines(document: Form) -> Iterator[str]:

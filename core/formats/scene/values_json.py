@@ -20,6 +20,7 @@ from ...forms import Form, JsonObject
 from ...scene.device_mapping import ActuatorMapping
 from ...scene.functions import FUNCTIONS, TRANSMISSIONS, ModulationFunction, function_from_dict
 from ...scene.impact_rule import ImpactLimits, ImpactRule
+from ...scene.joint import Joint
 from ...scene.materials import preset_named
 from ...scene.measured import function_of
 from ...scene.references import Place, PlacedError, meant
@@ -164,6 +165,7 @@ def _read_table(make: Callable[..., T], forms: Sequence[Form], place: Place) -> 
 _READERS: Mapping[str, Callable[[Any, Place], Any]] = {
     "actuators": partial(read_list, partial(read_value, ActuatorMapping)),
     "impact_table": partial(_read_table, ImpactRule),
+    "joints": partial(read_list, partial(read_value, Joint)),
     "limits": partial(read_value, ImpactLimits),
     "normal": _read_normal,
     "passing": lambda pairs, _: tuple(map(tuple, pairs)),

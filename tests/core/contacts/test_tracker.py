@@ -19,6 +19,7 @@ from haptic_tracing.core.contacts.shapes import (
 )
 from haptic_tracing.core.contacts.tracker import ContactTracker, Endpoints
 from haptic_tracing.core.message import Cause, Message
+from haptic_tracing.core.scene.joint import Joint
 from haptic_tracing.core.scene.values import Pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -173,6 +174,36 @@ def test_whatever_moves_as_one_keeps_what_would_be_found_anew():
         assert_among(kept, anew, 1e-9)
         if frame:
             assert found.statistics.queries <= found.statistics.candidates - len(anew)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_joint_conducts_at_its_pivot_while_it_is_one_point(swapped):
+    """Two rods of 20 x 20 cm, which overlap by 1 cm at rest, turn about the middle of the upper
+    one's end: the contact keeps the area of 0.04 m2 and the depth, and lies at the pivot."""
+    names = ["lower", "upper"]
+    places = [(0.0, 0.0, 0.5), (0.0, 0.0, -0.49)]
+    if swapped:
+        names, places = names[::-1], places[::-1]
+    joint = Joint(tuple(names), tuple(places))
+    rod = Box((0.2, 0.2, 1))
+    bodies = [Body("lower", rod, motion="kinematic"), Body("upper", rod, motion="kinematic")]
+    tracker = ContactTracker(bodies, ContactSettings(joints=(joint,)))
+    for frame, angle in enumerate((0.0, 0.3, 0.9, 1.4)):
+        upper = moved([(0, 0, 0)], [(angle, 0, 0)])[0]
+        upper[:3, 3] = [0, 0, 0.5] - upper[:3, :3] @ [0, 0, -0.49]
+        way = moved([(frame, 0, 1)], [(0, 0.2 * frame, 0)])[0]
+        found = tracker.update(frame / 24, way @ np.array([np.eye(4), upper]))
+        assert found.statistics.queries == 0
+        np.testing.assert_allclose(found.contacts.area, [0.04], rtol=1e-6)
+        np.testing.assert_allclose(found.contacts.depth, [0.01], atol=1e-9)
+        middle = way @ [0, 0, 0.5, 1]
+        assert np.abs(found.contacts.positions[0] - middle[:3]).max() <= 0.005 + 1e-9
+    # Broken, it is as if there were none.
+    apart = way @ np.array([np.eye(4), moved([(0.15, 0, 0.99)])[0]])
+    found = tracker.update(5 / 24, apart)
+    anew = ContactTracker(bodies).update(0.0, apart)
+    assert_among(rows(found.contacts), rows(anew.contacts), 1e-9)
+    np.testing.assert_allclose(found.contacts.area, [0.2 * 0.05], rtol=1e-6)
 
 
 def test_contacts_begin_and_end_at_the_tolerance():

@@ -320,7 +320,7 @@ MISTAKES: dict[str, Mistake] = {
     "rules misspelt": Mistake(
         ("rules", "tolerance"),
         Renamed("tolerence"),
-        "/rules/tolerence: unknown key, did you mean 'tolerance'?; known are tolerance, slack, impacts, templates, least_energy, full_energy, energy, refractory, gravity, time_scale, passing, impact_table, transmission_table, textures",
+        "/rules/tolerence: unknown key, did you mean 'tolerance'?; known are tolerance, slack, impacts, templates, least_energy, full_energy, energy, refractory, gravity, time_scale, passing, joints, impact_table, transmission_table, textures",
     ),
     "another format": Mistake(
         ("format",), "gltf", '/format: not a haptic scene: must be "haptic-scene"'
