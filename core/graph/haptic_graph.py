@@ -502,6 +502,69 @@ def lengths(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
     return result
 
 
+@frozen(eq=False)
+class _Order:
+    """The order of contacts and nodes.
+
+    Attributes:
+        contacts: each pair's smaller object first, sorted.
+        place: as in `Conducted`.
+        rank: (n,) as in `_inter_connections`.
+        start, node_object, partner, contact, side: as in `HapticGraph`.
+        node_position: (3, n) of the nodes of contacts that have not changed.
+        changed: rows of ``contacts`` that have.
+        found: these alone; None where all have.
+    """
+
+    contacts: ContactSet
+    place: IntArray | None
+    rank: IntArray
+    start: IntArray
+    node_object: IntArray
+    partner: IntArray
+    contact: IntArray
+    side: IntArray
+    node_position: FloatArray
+    changed: IntArray | slice = slice(None)
+    found: ContactSet | None = None
+
+    @classmethod
+    def fresh(cls, table: ObjectTable, contacts: ContactSet, on: IntArray) -> _Order:
+        """Of nodes of contacts, and of sources and listeners ``on`` objects (k,)."""
+        _check(table, contacts)
+        ordered, place = _canonical(contacts, len(table.names))
+        of_nodes = np.concatenate([ordered.pairs.T.reshape(-1), on])
+        order = of_nodes.argsort(kind="stable")
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        sizes = np.bincount(of_nodes, minlength=len(table.names))
+        start = np.concatenate([[0], sizes.cumsum()])
+        links = _inter_connections(rank, len(contacts))
+        return cls(ordered, place, rank, start, of_nodes[order], *links, np.empty((3, len(rank))))
+
+    @classmethod
+    def after(cls, known: HapticGraph, contacts: ContactSet) -> _Order:
+        """That of a ``known`` graph, which contacts are like."""
+        last = known.conducted
+        rows = np.flatnonzero(differing(last.given, contacts, ARRAYS[1:]))
+        changed = rows if last.place is None else last.place[rows]
+        found = _low_first(rows_of(contacts, rows))
+        _check(known.table, found)
+        return cls(
+            with_rows(last.ordered, ARRAYS, changed, found),
+            last.place,
+            last.rank,
+            known.start,
+            known.node_object,
+            known.partner,
+            known.contact,
+            known.side,
+            known.node_position.T.copy(),
+            changed,
+            found,
+        )
+
+
 def build_graph(
     table: ObjectTable,
     contacts: ContactSet,
@@ -552,48 +615,26 @@ def build_graph(
     known = None
     if before is not None and before.table is table and before.conducted.is_like(contacts, on):
         known = before
-    changed: IntArray | slice = slice(None)
-    found = None  # the contacts that have changed
-    if known is None:
-        _check(table, contacts)
-        ordered, place = _canonical(contacts, len(table.names))
-        of_nodes = np.concatenate([ordered.pairs.T.reshape(-1), on])
-        order = of_nodes.argsort(kind="stable")
-        rank = np.empty_like(order)
-        rank[order] = np.arange(len(order))
-        node_object = of_nodes[order]
-        start = np.concatenate([[0], np.bincount(of_nodes, minlength=len(table.names)).cumsum()])
-        partner, contact, side = _inter_connections(rank, count)
-        node_position = np.empty((3, len(rank)))
-    else:
-        node_object, start = known.node_object, known.start
-        partner, contact, side = known.partner, known.contact, known.side
-        node_position = known.node_position.T.copy()
-        last = known.conducted
-        rank, place, ordered = last.rank, last.place, last.ordered
-        rows = np.flatnonzero(differing(last.given, contacts, ARRAYS[1:]))
-        changed = rows if place is None else place[rows]
-        found = _low_first(rows_of(contacts, rows))
-        _check(table, found)
-        ordered = with_rows(ordered, ARRAYS, changed, found)
+    order = _Order.fresh(table, contacts, on) if known is None else _Order.after(known, contacts)
+    ordered, rank, node_position = order.contacts, order.rank, order.node_position
     node_kind = np.empty(len(rank), dtype=np.int8)
     node_kind[rank] = _KINDS.repeat(
         [2 * count, len(source_entries), len(ends) - len(source_entries)]
     )
     for number, nodes in enumerate((rank[:count], rank[count : 2 * count])):
-        node_position[:, nodes[changed]] = ordered.positions[changed, number].T
+        node_position[:, nodes[order.changed]] = ordered.positions[order.changed, number].T
     node_position[:, rank[2 * count :]] = (
         np.array([position for _, position in ends], dtype=np.float64).reshape(-1, 3).T
     )
     forces = _forces(table, ordered, frames, gravity)
-    if found is None or known is None or forces is not None:
+    if order.found is None or known is None or forces is not None:
         own = _transmissions(table, ordered, forces)
     else:
         own = with_rows(
             known.conducted.own,
             ("losses", "band_gains", "delay"),
-            changed,
-            _transmissions(table, found, None),
+            order.changed,
+            _transmissions(table, order.found, None),
         )
     loss, band_gains = _between_bodies(table, ordered, frames, own)
     listener_nodes = rank[2 * count + len(source_entries) :]
@@ -602,13 +643,13 @@ def build_graph(
     )
     return HapticGraph(
         table=table,
-        start=start,
-        node_object=node_object,
+        start=order.start,
+        node_object=order.node_object,
         node_kind=node_kind,
         node_position=node_position.T,  # each coordinate contiguous
-        partner=partner,
-        contact=contact,
-        side=side,
+        partner=order.partner,
+        contact=order.contact,
+        side=order.side,
         transmission_loss=loss,
         weight=ordered.weight,
         contact_band_gains=band_gains,
@@ -622,10 +663,10 @@ def build_graph(
         listeners=tuple(listener.name for listener in listeners),
         listener_nodes=listener_nodes,
         frames=frames,
-        conducted=Conducted(contacts, ordered, place, on, rank, own),
+        conducted=Conducted(contacts, ordered, order.place, on, rank, own),
         forces=forces,
         reach=_reach(listeners, listener_nodes, len(rank)),
-        fronts=_fronts(table, ordered, frames, rank, known, changed),
+        fronts=_fronts(table, ordered, frames, rank, known, order.changed),
     )
 
 
