@@ -10,6 +10,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from ...declaration import default_of
 from ...forms import Form, JsonObject
 from ...scene.rules import ContactSettings
 from ...scene.values import HapticScene, Settings
@@ -122,16 +123,13 @@ def scene_to_dict(scene: HapticScene) -> JsonObject:
 
 
 def _all_values(item: Settings | ContactSettings) -> JsonObject:
-    """The JSON object of an item with all its values but empty optional ones."""
+    """The JSON object of an item with all its values but those that are empty by default."""
     values = {key.name: json_value(getattr(item, key.name)) for key in fields(item)}
     return {
         name: value
         for name, value in values.items()
-        if value is not None and (value or name not in _OPTIONAL)
+        if value not in (None, []) or json_value(default_of(type(item), name))
     }
-
-
-_OPTIONAL = ("passing", "joints", "impact_table", "transmission_table", "textures")
 
 
 def _lines(document: Form) -> Iterator[str]:

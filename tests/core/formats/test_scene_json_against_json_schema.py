@@ -91,7 +91,7 @@ spectra = st.builds(
 functions = st.one_of(
     st.builds(Identity, spectrum=spectra),
     st.builds(HapticTracing, spectrum=spectra),
-    st.builds(Constant, gain_value=st.floats(0, 2), spectrum=spectra),
+    st.builds(Constant, gain_value=unit, spectrum=spectra),
     st.builds(Exponential, alpha=st.floats(0, 10), spectrum=spectra),
     st.builds(Linear, range=length, spectrum=spectra),
     st.builds(
