@@ -465,7 +465,7 @@ def test_minutes_are_converted_in_steps_that_can_be_stopped(scene, machine, aud,
     assert tracemalloc.get_traced_memory()[1] < (60 * minutes * 16000 * 4 + 150e6)
     tracemalloc.stop()
     assert len(machine.haptics.source.sound.kept) < 2e5 * minutes
-    assert signal_of(scene).of.duration == pytest.approx(60.0 * minutes, abs=0.02)
+    assert signal_of(scene).duration == pytest.approx(60.0 * minutes, abs=0.02)
 
 
 @pytest.mark.parametrize(
