@@ -51,6 +51,7 @@ def prepare(folder: Path, form: Form) -> None:
             "wav",
             "--out",
             path.parent,
+            "--absolute",
             "--option=wav.encoding=float32",
             *options,
         )
