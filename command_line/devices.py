@@ -14,6 +14,7 @@ from ..core.devices.calibrating import measured_full_scale, sweep
 from ..core.devices.connection import connected, hid_module, missing_permission
 from ..core.devices.families.family import RumbleFamily
 from ..core.devices.families.registry import family
+from ..core.devices.full_scale import full_scale_of
 from ..core.devices.guard import DeviceOutput
 from ..core.devices.profile_files import load_profiles
 from ..core.devices.profiles import Actuator, Profile
@@ -165,12 +166,11 @@ def _of_recording(args: argparse.Namespace) -> JsonObject:
 def _of_profile(args: argparse.Namespace) -> JsonObject:
     profile = named(args.device, _profiles(args), "device")
     actuator = _actuator(profile, args.actuator or profile.actuators[0].name)
-    if not actuator.full_scale:
-        raise ValueError(f"the profile of {profile.name} has no full_scale of {actuator.name!r}")
+    points, unit, source = full_scale_of(actuator)
     return {
-        "full_scale": [list(point) for point in actuator.full_scale],
-        "full_scale_unit": actuator.full_scale_unit,
-        "full_scale_source": f"{profile.title}: {actuator.full_scale_source}",
+        "full_scale": [list(point) for point in points],
+        "full_scale_unit": unit,
+        "full_scale_source": f"{profile.title}: {source}",
     }
 
 

@@ -143,11 +143,7 @@ def _calibrations() -> dict[str, tuple[Any, str, str]]:
     """What devices do at full scale, by device and actuator: points, unit and source."""
     typical = [full_scale.TYPICAL[kind] for kind in _OF_SOUND_CARDS]
     return {row.title: (row.points, "m/s^2", row.source) for row in typical} | {
-        f"{profile.title}: {actuator.name}": (
-            actuator.full_scale,
-            actuator.full_scale_unit,
-            actuator.full_scale_source,
-        )
+        f"{profile.title}: {actuator.name}": full_scale.full_scale_of(actuator)
         for profile in device_profiles().values()
         for actuator in profile.actuators
     }

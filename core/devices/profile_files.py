@@ -17,7 +17,6 @@ from ..scene.references import Place, PlacedError, named
 from ..scene.values import Listener
 from .families.family import AnyFamily, RumbleFamily
 from .families.registry import families
-from .full_scale import TYPICAL
 from .profiles import Actuator, Calibration, DriveChannel, Profile
 
 MAX_BYTES = 2**20
@@ -86,10 +85,6 @@ def _actuator(place: Place, data: Form) -> Actuator:
     values: JsonObject = {
         key: tuple(value) if isinstance(value, list) else value for key, value in data.items()
     }
-    if not full_scale:
-        typical = TYPICAL[data["kind"]]
-        full_scale = typical.points
-        values |= {"full_scale_unit": "m/s^2", "full_scale_source": typical.source}
     return Actuator(
         **{
             **values,

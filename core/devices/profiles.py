@@ -84,7 +84,7 @@ class Actuator:
 
     body_parts: those at which it is felt. band: its range of frequencies [Hz]; resonances: its
     resonance frequencies, if known. full_scale, its unit and source: as those of a
-    listener; without its own those of its kind. latency: seconds from command to touch.
+    listener, if known. latency: seconds from command to touch.
     safe_maximum: amplitude in (0, 1] never exceeded. position: coordinates from the wearer's left
     and from the top, in any unit, among the actuators of its body part; None: it always plays at
     full amplitude.
