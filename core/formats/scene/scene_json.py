@@ -124,11 +124,12 @@ def scene_to_dict(scene: HapticScene) -> JsonObject:
 
 def _all_values(item: Settings | ContactSettings) -> JsonObject:
     """The JSON object of an item with all its values but those that are empty by default."""
+    kind: type = type(item)
     values = {key.name: json_value(getattr(item, key.name)) for key in fields(item)}
     return {
         name: value
         for name, value in values.items()
-        if value not in (None, []) or json_value(default_of(type(item), name))
+        if value not in (None, []) or json_value(default_of(kind, name))
     }
 
 
