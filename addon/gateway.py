@@ -22,13 +22,13 @@ from typing import Any
 
 _LENT = {
     "addon.authoring": "body_kit materials",
-    "addon.bake": "baking playback storage takes waves",
+    "addon.bake": "baking playback storage takes",
     "addon.io": "capture drawings frame_scene signal_library sound_source vibration_signal",
     "addon.live_output": "outputs player preview",
     "addon.properties": "actuators",
     "addon.scene_reader": "bone_parts functions kept_signal settings triggers",
     "addon.session": "session",
-    "addon.view": "comparison explanation gain_plot inspection lane levels "
+    "addon.view": "comparison explanation gain_plot inspection levels "
     "meter_layout meters overlay "
     "panel_picture paths sound_picture table watched",
     "core": "felt signals",

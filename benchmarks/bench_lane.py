@@ -22,9 +22,10 @@ from unittest import mock
 import bpy
 import haptic_tracing
 import numpy as np
-from haptic_tracing.addon.view import lane
-from haptic_tracing.core.render.waves import FULL_SCALE, Waves
+from haptic_tracing.core.render.integers import FULL_SCALE
 from haptic_tracing.pictures import picture
+from haptic_tracing.plugins.timeline import lane
+from haptic_tracing.plugins.timeline.waves import Waves
 
 from .report import publish, table
 

@@ -6,8 +6,8 @@ import numpy as np
 from bpy.types import Scene
 
 from ...core.frozen import frozen
+from ...core.render.integers import FULL_SCALE
 from ...core.render.levels import vibration_rms
-from ...core.render.waves import FULL_SCALE
 from ..changes.events import file_changed
 from ..changes.redraw import redraw_viewports
 from ..session.derived import Background, Latest

@@ -27,7 +27,7 @@ from ...core.forms import Form
 from ...core.graph.haptic_graph import ObjectTable, build_graph
 from ...core.propagation import Propagation
 from ...core.render.frame_result import FrameResult
-from ...core.render.waves import FULL_SCALE, as_integers
+from ...core.render.integers import FULL_SCALE, as_integers
 from ...core.scene.values import HapticObject, Listener, Mode, Source, SourceKind
 
 MAGIC = b"HAPTRACK"

@@ -12,8 +12,8 @@ SIDEBAR_TAB = "Haptics"
 
 
 def redraw_viewports() -> None:
-    """Request a redraw of every 3D viewport of every window, of the timelines, which have a lane,
-    and of panels elsewhere."""
+    """Request a redraw of every 3D viewport of every window, of the timelines, and of panels
+    elsewhere."""
     for area in _areas("VIEW_3D", "DOPESHEET_EDITOR", "PROPERTIES"):
         area.tag_redraw()
 

@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING
 
 import bpy
-from bpy.types import Context, Header, Panel, UILayout
+from bpy.types import Context, Panel, UILayout
 
 from ...core.scene.choices import SourceKind
 from ...core.scene.values import MODES
@@ -166,17 +166,6 @@ class HAPTIC_PT_comparison(ScenePanel):
             latest.is_current for latest in amplitudes.values()
         ):
             layout.label(text="Comparing...", icon="SORTTIME")
-
-
-def draw_lane_switch(self: Header, context: Context) -> None:
-    """Entry of the header of Timeline and Dope Sheet: show the lane over it, and
-    as waves."""
-    if sessions.known(context.scene) is not None:
-        meters = context.scene.haptics.meters
-        row = self.layout.row(align=True)
-        row.prop(meters, "show_lane", text="", icon="FORCE_HARMONIC")
-        if meters.show_lane:
-            row.prop(meters, "lane_wave", text="", icon="RNDCURVE")
 
 
 def _amplitude_text(amplitudes: FloatArray, index: int) -> str:

@@ -137,4 +137,4 @@ class HAPTIC_PT_overlay(ScenePanel):
         draw_each(
             column, haptics, "show_intra", "show_best_paths", "show_labels", "show_flow", "xray"
         )
-        draw_properties(layout, haptics.meters, "show", "show_body", "corner", "show_lane")
+        draw_properties(layout, haptics.meters, "show", "show_body", "corner")

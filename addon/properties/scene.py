@@ -29,14 +29,6 @@ class HapticMetersProperties(PropertyGroup):
         True,
     )
     show_body: switch("Body", "Draw a body whose parts light up where they feel something", True)
-    show_lane: switch(
-        "Timeline of Touch",
-        "Draw over Timeline and Dope Sheet how strong sources are and what each listener feels in "
-        "the frames baked or played: levels from -60 to 0 dB, filled above the threshold of "
-        "feeling, and impacts. One-shots can be dragged",
-        True,
-    )
-    lane_wave: switch("Waves", "Draw the waves of the listeners in place of their levels")
     corner: choice(
         "Corner",
         "Corner of the viewport in which the meters are drawn; the legend stands on the other side",

@@ -13,7 +13,6 @@ from ..operators import (
     exporting,
     gizmos,
     importing,
-    lane,
     live_output,
     materials,
     rules,
@@ -44,7 +43,7 @@ from .properties import classes_of
 
 CLASSES = (
     *classes_of(
-        *(preferences, job, tagging, adding, tracing, design, gizmos, lane),
+        *(preferences, job, tagging, adding, tracing, design, gizmos),
         *(materials, body_kit, rules),
     ),
     *classes_of(

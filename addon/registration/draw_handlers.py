@@ -1,19 +1,17 @@
 """Draw handlers: over the 3D viewport the haptic graph, the meters, then labels and legend in the
-remaining room; over timelines the lane."""
+remaining room."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
-import bpy
-from bpy.types import SpaceDopeSheetEditor, SpaceView3D
+from bpy.types import SpaceView3D
 
-from ..bake import waves
 from ..gateway import is_loaded
 from ..live_output import player
 from ..session import session
-from ..view import lane, meters, overlay
+from ..view import meters, overlay
 
 _handlers: list[tuple[Any, Any, str]] = []
 
@@ -29,16 +27,10 @@ def _draw_pixels() -> None:
     overlay.draw_pixels()
 
 
-def _draw_lane() -> None:
-    if bpy.context.scene is not None:
-        lane.draw(waves.waves_of(bpy.context.scene))
-
-
 _STAGES: tuple[tuple[Any, Callable[[], None], str, str], ...] = (
     (SpaceView3D, lambda: overlay.draw_view(), "WINDOW", "POST_VIEW"),
     (SpaceView3D, _draw_pixels, "WINDOW", "POST_PIXEL"),
     (SpaceView3D, lambda: meters.draw_redo_panel(), "HUD", "POST_PIXEL"),
-    (SpaceDopeSheetEditor, _draw_lane, "WINDOW", "POST_PIXEL"),
 )
 
 

@@ -9,16 +9,13 @@ _items: list[tuple[KeyMap, KeyMapItem]] = []
 
 
 def register() -> None:
-    """Add the shortcuts: in the viewport those of tracing and modes, in timelines the dragging of
-    one-shots, in every editor those of live output."""
+    """Add the shortcuts: in the viewport those of tracing and modes, in every editor those of live
+    output."""
     configuration = bpy.context.window_manager.keyconfigs.addon
     if configuration is None:  # in the background
         return
     viewport = configuration.keymaps.new(name="3D View", space_type="VIEW_3D")
     screen = configuration.keymaps.new(name="Screen", space_type="EMPTY")
-    dopesheet = configuration.keymaps.new(name="Dopesheet", space_type="DOPESHEET_EDITOR")
-    drag = dopesheet.keymap_items.new("haptic.drag_one_shot", "LEFTMOUSE", "PRESS", any=True)
-    _items.append((dopesheet, drag))
     for keymap, operator, key, alt in (
         (viewport, "haptic.toggle_tracing", "T", True),
         (viewport, "wm.call_menu_pie", "M", True),

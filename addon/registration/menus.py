@@ -5,14 +5,13 @@ from __future__ import annotations
 import bpy
 
 from ..blender.documentation import manual_map
-from ..panels import export, object_menus, result
+from ..panels import export, object_menus
 
 _ENTRIES = (
     ("TOPBAR_MT_file_export", export.draw_export),
     ("TOPBAR_MT_file_import", export.draw_import),
     ("VIEW3D_MT_object", object_menus.draw_object_menu),
     ("VIEW3D_MT_add", object_menus.draw_add_menu),
-    ("DOPESHEET_HT_header", result.draw_lane_switch),
 )
 
 

@@ -1,15 +1,17 @@
-"""The rows of the lane: what listeners and sources feel and emit over time, as bands between two
-heights. Blender's timelines, web pages and the study's report fill the same bands."""
+"""The rows of a lane: what listeners feel over time, as bands between two heights. Blender's
+timelines, web pages and the study's report fill the same bands."""
 
 from __future__ import annotations
 
-from functools import cache
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import FloatArray
-from .waves import FULL_SCALE, Columns, Waves, as_integers
+from ..scene.values import Listener
+from .levels import LEVEL_SECONDS, level_and_margin, vibration_rms
 
 FLOOR = -60.0
 """Level at the bottom of a row [dB of full scale]; 0 dB is the top."""
@@ -33,47 +35,79 @@ def height_of(level: FloatArray) -> FloatArray:
     return np.nan_to_num(np.clip(1 - level / FLOOR, 0.0, 1.0))
 
 
-def bands(parts: Columns, wave: bool = False) -> tuple[FilledBand, ...]:
-    """What is drawn of listeners, from the bottom up: level, threshold and what is felt, or else
-    the ``wave`` around the middle, its samples in decibels as well."""
-    if wave:
-        low, high = (_wave_heights().take(part.view(np.uint16)) for part in (parts.low, parts.high))
-        # One line, however steep.
-        low[:, 1:], high[:, 1:] = (
-            np.minimum(low[:, 1:], high[:, :-1]),
-            np.maximum(high[:, 1:], low[:, :-1]),
-        )
-        return (FilledBand("wave", low, high),)
-    level = height_of(parts.level)
-    threshold = np.where(level > 0, height_of(parts.threshold), 0.0)
+def bands(level: FloatArray, threshold: FloatArray) -> tuple[FilledBand, ...]:
+    """What is drawn of listeners, from the bottom up: what is felt, the threshold of feeling and
+    the level.
+
+    Args:
+        level: in each column (l, c) [dB of full scale].
+        threshold: the level of this vibration at the threshold of feeling (l, c), NaN for silence.
+    """
+    high = height_of(level)
+    edge = np.where(high > 0, height_of(threshold), 0.0)
     return (
-        FilledBand("felt", np.minimum(threshold, level), level),
-        FilledBand("threshold", threshold, threshold),
-        FilledBand("level", level, level),
+        FilledBand("felt", np.minimum(edge, high), high),
+        FilledBand("threshold", edge, edge),
+        FilledBand("level", high, high),
     )
 
 
-@cache
-def _wave_heights() -> FloatArray:
-    """The height in a row for every 16-bit sample value."""
-    values = np.arange(1 << 16, dtype=np.uint16).view(np.int16).astype(np.float64) / FULL_SCALE
-    with np.errstate(divide="ignore"):
-        return 0.5 + np.sign(values) * height_of(20 * np.log10(np.abs(values))) / 2
+def level_and_threshold(
+    samples: FloatArray, sample_rate: float, listeners: Sequence[Listener] = ()
+) -> tuple[FloatArray, FloatArray]:
+    """The level (l,) of ``samples`` (l, n) [dB of full scale], minus infinity for silence; and the
+    level (l,) that the same vibration would have at the threshold of feeling of ``listeners``, NaN
+    for silence."""
+    level, margin = level_and_margin(samples, sample_rate, listeners)
+    with np.errstate(invalid="ignore"):
+        threshold = level - margin
+    return level, np.where(np.isfinite(threshold), threshold, np.nan)
+
+
+def levels_over_time(
+    samples: FloatArray, sample_rate: float, per_frame: float, listeners: Sequence[Listener] = ()
+) -> tuple[FloatArray, FloatArray]:
+    """Levels and thresholds (l, f) of ``samples`` (l, n), n > 0, in frames of ``per_frame``
+    samples: the level of the last `LEVEL_SECONDS` up to the end of each frame, as the meters show
+    it."""
+    count, length = samples.shape
+    frames = math.ceil(length / per_frame - 1e-9)
+    level = np.empty((count, frames), dtype=np.float32)
+    threshold = np.full_like(level, np.nan)
+    width = round(LEVEL_SECONDS * sample_rate)
+    for frame in range(frames):
+        end = math.ceil((frame + 1) * per_frame)
+        with np.errstate(divide="ignore"):
+            level[:, frame] = 20 * np.log10(
+                vibration_rms(samples[:, max(end - width, 0) : end], sample_rate)
+            )
+    for begin in range(0, length, width):
+        _, felt = level_and_threshold(samples[:, begin : begin + width], sample_rate, listeners)
+        part = slice(round(begin / per_frame), math.ceil((begin + width) / per_frame))
+        threshold[:, part] = felt[:, None]
+    return level, threshold
+
+
+def highest(values: FloatArray, edges: FloatArray) -> FloatArray:
+    """The highest of values (r, f) of frames in each part between ``edges`` (c + 1,), in frames
+    from the first on."""
+    count = values.shape[1]
+    first = np.clip(np.floor(edges[:-1]), 0, count - 1).astype(np.int64)
+    end = max(min(math.ceil(edges[-1]), count), int(first[-1]) + 1)
+    return np.asarray(np.maximum.reduceat(values[:, :end], first, axis=1))
 
 
 def svg(samples: FloatArray, sample_rate: float) -> str:
     """The level of a listener over all its ``samples`` (n,) as an SVG element, stretched over the
     box that holds it; the classes of its paths are the kinds of bands, and "grid"."""
-    count, (width, tall) = max(len(samples), 1), _SIZE
-    kept = np.zeros((1, count), dtype=np.int16)
-    kept[0, : len(samples)] = as_integers(samples)
-    waves = Waves([""], 0.0, sample_rate / _FRAMES, kept, filled=True)
-    waves.find_levels(sample_rate)
-    parts = waves.columns(np.linspace(0.0, count / waves.per_frame, width + 1))
-    paths = [
-        f'<path class="grid" d="M0 {_y(level / FLOOR)}H{width}" {_UNSCALED}/>' for level in GRID
-    ]
-    for kind, low, high in bands(parts):
+    width, tall = _SIZE
+    per_frame = sample_rate / _FRAMES
+    known = samples[None] if len(samples) else np.zeros((1, 1))
+    level, threshold = levels_over_time(known, sample_rate, per_frame)
+    edges = np.linspace(0.0, known.shape[1] / per_frame, width + 1)
+    at = np.minimum(np.floor(edges[:-1]), level.shape[1] - 1).astype(np.int64)
+    paths = [f'<path class="grid" d="M0 {_y(line / FLOOR)}H{width}" {_UNSCALED}/>' for line in GRID]
+    for kind, low, high in bands(highest(level, edges), threshold[:, at]):
         there = [f"{x} {_y(1 - y)}" for x, y in enumerate(high[0].tolist())]
         back = [f"{x} {_y(1 - y)}" for x, y in enumerate(low[0].tolist())][::-1]
         outline = [*there, *back] if kind == "felt" else there

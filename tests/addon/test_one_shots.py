@@ -12,7 +12,7 @@ from haptic_tracing.addon.scene_reader.digest import changes, digest_of
 from haptic_tracing.addon.session import session, sessions, timeline
 from haptic_tracing.core.formats.haptic_scene import read_export, write_export
 from haptic_tracing.core.formats.scene.recording import traced as traced_file
-from haptic_tracing.core.render.waves import as_integers
+from haptic_tracing.core.render.integers import as_integers
 from haptic_tracing.core.signals import Decay
 
 FPS, G = 24, 9.81

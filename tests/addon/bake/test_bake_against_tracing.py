@@ -11,7 +11,7 @@ from haptic_tracing.addon.session import session, sessions, timeline
 from haptic_tracing.addon.view import explanation, paths, watched
 from haptic_tracing.addon.view.render_data import Options, render_data
 from haptic_tracing.command_line.playing import play
-from haptic_tracing.core.render.waves import FULL_SCALE
+from haptic_tracing.core.render.integers import FULL_SCALE
 from haptic_tracing.core.tracer import Tracer
 
 STEP = Tracer.step

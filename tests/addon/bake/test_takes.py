@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.bake import playback, storage, takes
 from haptic_tracing.addon.session import session
-from haptic_tracing.core.render.waves import FULL_SCALE
+from haptic_tracing.core.render.integers import FULL_SCALE
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from haptic_tracing.addon.bake import storage
 from haptic_tracing.addon.session import session, sessions, timeline
 from haptic_tracing.core.formats.haptic_scene import read_export
 from haptic_tracing.core.formats.scene.recording import traced
-from haptic_tracing.core.render.waves import as_integers
+from haptic_tracing.core.render.integers import as_integers
 from scene_files import exported
 
 LAST = 80

@@ -6,13 +6,15 @@ import math
 
 import bpy
 import pytest
-from haptic_tracing.addon.bake import playback, storage, waves
+from haptic_tracing.addon.bake import playback, storage
 from haptic_tracing.addon.operators import live_output
 from haptic_tracing.addon.properties import sound
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view.levels import shown_levels
 from haptic_tracing.core.devices.profile_files import BUILT_IN
 from haptic_tracing.core.perception import FullScale, threshold_level
+from haptic_tracing.core.render.integers import FULL_SCALE
+from haptic_tracing.core.render.lane import levels_over_time
 
 DEVICE = FullScale(((60.0, 4.0), (160.0, 12.0)))
 
@@ -53,8 +55,11 @@ def test_a_baked_track_is_measured_by_the_device_as_it_is_now(hand, scene):
     track = storage.track_of(scene)
     played = playback.calibrated(track.result(3).listeners[0])
     assert played.device == DEVICE
-    shape = waves.computed(track, [played]), waves.computed(track, track.result(3).listeners)
-    change = [float(item.threshold[0, 3]) for item in shape]
+    samples, per_frame = track.samples / FULL_SCALE, track.sample_rate * track.frame_duration
+    change = [
+        levels_over_time(samples, track.sample_rate, per_frame, own)[1][0, 3]
+        for own in ([played], track.result(3).listeners)
+    ]
     expected = float(threshold_level(120.0, DEVICE) - threshold_level(120.0))
     assert change[0] - change[1] == pytest.approx(expected, abs=0.3)
 

@@ -7,7 +7,7 @@ import bpy
 
 def steps(window):
     lane, compatibility = (
-        window.module("addon.view.lane"),
+        window.module("plugins.timeline.lane"),
         window.module("addon.blender.compatibility"),
     )
     text_width = window.module("addon.blender.text").text_width
@@ -129,10 +129,10 @@ def steps(window):
     yield from drag(52, 70)
     yield from let_go()
     window.seen["clicks beside it are Blender's own"] = key() == 40
-    scene_now().haptics.meters.lane_wave = True
+    scene_now().haptic_lane = "WAVES"
     yield from window.use_theme("Blender_Light")
     yield from window.screenshot("waves-light")
-    scene_now().haptics.meters.lane_wave = False
+    scene_now().haptic_lane = "LEVELS"
     yield from window.screenshot("lane-light")
     yield from window.use_scale(1.5)
     yield from window.screenshot("lane-1.5")

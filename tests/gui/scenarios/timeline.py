@@ -7,7 +7,7 @@ import bpy
 def steps(window):
     lane, waves, storage = (
         window.module(name)
-        for name in ("addon.view.lane", "addon.bake.waves", "addon.bake.storage")
+        for name in ("plugins.timeline.lane", "plugins.timeline.baked", "addon.bake.storage")
     )
 
     def dope_sheet():
@@ -63,5 +63,5 @@ def steps(window):
         for _ in range(4):
             bpy.ops.view2d.zoom_in(zoomfacx=0.3)
     yield from window.screenshot("zoomed-in")
-    scene.haptics.meters.show_lane = False
+    scene.haptic_lane = "OFF"
     yield from window.screenshot("off")

@@ -1,13 +1,11 @@
 """The waves that a timeline shows: columns are the minima and maxima of the samples in them, at
 every zoom."""
 
-from xml.etree import ElementTree
-
 import numpy as np
 import pytest
-from haptic_tracing.core.perception import threshold_level
 from haptic_tracing.core.render import lane
-from haptic_tracing.core.render.waves import FULL_SCALE, Waves, level_and_threshold
+from haptic_tracing.core.render.integers import FULL_SCALE
+from haptic_tracing.plugins.timeline.waves import Waves, wave_band
 
 RATE, PER_FRAME = 8000.0, 8000 / 24
 
@@ -73,19 +71,6 @@ def test_only_what_was_filled_is_known():
     assert waves.columns(np.arange(0.0, 13.0)).high[0, 10] == FULL_SCALE
 
 
-def test_level_and_threshold_of_a_sine_are_those_of_its_amplitude_and_frequency():
-    time = np.arange(2000) / RATE
-    for frequency in (60.0, 250.0):
-        sine = np.array([0.3, 0.01])[:, None] * np.sin(2 * np.pi * frequency * time)
-        level, threshold = level_and_threshold(sine, RATE)
-        assert level == pytest.approx(20 * np.log10(np.array([0.3, 0.01]) / np.sqrt(2)), abs=0.01)
-        # `threshold_level` is an amplitude.
-        rms = float(threshold_level(frequency)) - 20 * np.log10(np.sqrt(2))
-        assert threshold == pytest.approx(rms, abs=0.2)
-    level, threshold = level_and_threshold(np.zeros((1, 2000)), RATE)
-    assert np.isneginf(level).all() and np.isnan(threshold).all()
-
-
 def test_levels_of_a_tone_rise_within_a_quarter_second_and_fall_after_it():
     """A sine of 100 Hz from second 1 to 2, in 25 frames a second."""
     time = np.arange(24000) / RATE
@@ -107,11 +92,11 @@ def test_bands_are_levels_in_decibels_and_what_is_felt_is_above_the_threshold():
     waves = Waves("a", 0.0, 320.0, np.rint(tone * FULL_SCALE).astype("i2")[None], True)
     waves.find_levels(RATE)
     parts = waves.columns(np.linspace(10, 20, 11))
-    felt, threshold, level = lane.bands(parts)
+    felt, threshold, level = lane.bands(parts.level, parts.threshold)
     assert level.low == pytest.approx(1 - 20 / 60, abs=1e-3) and (level.low == level.high).all()
     assert (felt.high == level.high).all() and (felt.low == threshold.low).all()
     assert (threshold.low < level.low).all()
-    (wave,) = lane.bands(parts, wave=True)
+    wave = wave_band(parts)
     peak = 1 + 20 * np.log10(0.1 * np.sqrt(2)) / 60
     assert wave.high.max() == pytest.approx(0.5 + peak / 2, abs=0.01)
     assert wave.low.min() == pytest.approx(0.5 - peak / 2, abs=0.01)
@@ -120,21 +105,9 @@ def test_bands_are_levels_in_decibels_and_what_is_felt_is_above_the_threshold():
 def test_a_steep_wave_is_one_line():
     jump = np.repeat(np.array([[0, FULL_SCALE, 0, -FULL_SCALE]], dtype=np.int16), 50, axis=1)
     waves = Waves("a", 0.0, 50.0, jump, True)
-    (wave,) = lane.bands(waves.columns(np.linspace(0, 4, 201)), wave=True)
+    wave = wave_band(waves.columns(np.linspace(0, 4, 201)))
     assert (wave.low[:, 1:] <= wave.high[:, :-1]).all()
     assert (wave.high[:, 1:] >= wave.low[:, :-1]).all()
-
-
-def test_the_picture_of_a_tone_is_a_line_at_its_level():
-    """The SVG, read by an XML parser: 600 columns, the box 60 high for 60 dB."""
-    tone = 0.1 * np.sqrt(2) * np.sin(2 * np.pi * 250 * np.arange(16000) / RATE)
-    found = ElementTree.fromstring(lane.svg(tone, RATE))
-    paths = {one.get("class"): one.get("d") for one in found}
-    line = np.array([point.split() for point in paths["level"][1:].split("L")], dtype=float)
-    assert len(line) == 600 and line[50:, 1] == pytest.approx(20.0, abs=0.15)
-    assert paths.keys() == {"grid", "felt", "threshold", "level"}
-    silent = ElementTree.fromstring(lane.svg(np.zeros(0), RATE))
-    assert all(place.endswith(" 60.0") for place in silent[-1].get("d")[1:].split("L"))
 
 
 def test_impacts_of_a_frame_go_when_it_is_played_again():

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 from bpy.types import Scene
 
-from ...core.render.waves import Waves, row_name
+from ...addon.bake import storage
+from ...addon.bake.track import HapticTrack
+from ...addon.changes.events import file_changed
+from ...addon.scene_reader.objects import calibrated
+from ...addon.session.derived import Background
 from ...core.scene.values import Listener
-from ..changes.events import file_changed
-from ..scene_reader.objects import calibrated
-from ..session.derived import Background
-from . import storage
-from .track import HapticTrack
+from .waves import Waves, row_name
 
 _kept: dict[int, Background[Waves | None]] = {}  # by session id of the scene
 

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...addon.blender.words import ui_text
+from ...addon.view.hud import SMALL_TEXT, Hud, HudBuilder
+from ...addon.view.render_data import Drawn, Place
+from ...addon.view.symbols import Symbol
 from ...core.arrays import BoolArray, FloatArray
 from ...core.render.lane import height_of
-from ..blender.words import ui_text
-from .hud import SMALL_TEXT, Hud, HudBuilder
-from .render_data import Drawn, Place
-from .symbols import Symbol
 
 # Points at a user interface scale of 1.
 _ROW, _LEAST_ROW, _GAP = 36.0, 11.0, 1.0

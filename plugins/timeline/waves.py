@@ -5,25 +5,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import BoolArray, FloatArray, IntArray
-from ..frozen import frozen
-from ..scene.values import Listener
-from .levels import LEVEL_SECONDS, level_and_margin, vibration_rms
+from ...core.arrays import BoolArray, FloatArray, IntArray
+from ...core.frozen import frozen
+from ...core.render.integers import FULL_SCALE, as_integers
+from ...core.render.lane import FilledBand, height_of, highest, levels_over_time
+from ...core.scene.values import Listener
 
-FULL_SCALE = 32767
-"""Integer value of the sample 1.0: steps of 1/32767 are 90 dB below full scale, far below the
-threshold of feeling."""
 _STEP = 8  # values of a level that one of the next coarser level stands for
-
-
-def as_integers(samples: FloatArray) -> NDArray[np.int16]:
-    """Samples in [-1, 1] as integers."""
-    return np.rint(np.clip(samples, -1, 1) * FULL_SCALE).astype(np.int16)
 
 
 @frozen
@@ -91,20 +85,9 @@ class Waves:
 
     def find_levels(self, sample_rate: float, listeners: Sequence[Listener] = ()) -> None:
         """Set levels and thresholds from the samples."""
-        samples = self._low[0]
-        width = round(LEVEL_SECONDS * sample_rate)
-        for frame in range(len(self.filled)):
-            end = math.ceil((frame + 1) * self.per_frame)
-            part = samples[:, max(end - width, 0) : end] / FULL_SCALE
-            with np.errstate(divide="ignore"):
-                self.level[:, frame] = 20 * np.log10(vibration_rms(part, sample_rate))
-        for begin in range(0, samples.shape[1], width):
-            part = samples[:, begin : begin + width] / FULL_SCALE
-            frames = slice(
-                round(begin / self.per_frame), math.ceil((begin + width) / self.per_frame)
-            )
-            _, threshold = level_and_threshold(part, sample_rate, listeners)
-            self.threshold[:, frames] = threshold[:, None]
+        self.level, self.threshold = levels_over_time(
+            self._low[0] / FULL_SCALE, sample_rate, self.per_frame, listeners
+        )
 
     def write(
         self,
@@ -180,10 +163,7 @@ class Waves:
 
     def highest(self, values: FloatArray, edges: FloatArray) -> FloatArray:
         """The highest of values (r, f) of frames in each part between ``edges`` (c + 1,)."""
-        left, right = self._frames(edges)
-        first = np.minimum(left[:-1], len(self.filled) - 1)
-        shown = values[:, : max(right[-1], first[-1] + 1)]
-        return np.maximum.reduceat(shown, first, axis=1)
+        return highest(values, edges - self.origin)
 
     def _frames(self, edges: FloatArray) -> tuple[IntArray, IntArray]:
         """Numbers of the frames that contain each of the ``edges`` (n,), and of the first frames
@@ -213,13 +193,19 @@ def row_name(name: str, second_object: str | None, onset: float) -> str:
     return "" if second_object else name.removesuffix(f" at {onset:.4f} s")
 
 
-def level_and_threshold(
-    samples: FloatArray, sample_rate: float, listeners: Sequence[Listener] = ()
-) -> tuple[FloatArray, FloatArray]:
-    """The level (l,) of ``samples`` (l, n) [dB of full scale], minus infinity for silence; and the
-    level (l,) that the same vibration would have at the threshold of feeling of ``listeners``, NaN
-    for silence."""
-    level, margin = level_and_margin(samples, sample_rate, listeners)
-    with np.errstate(invalid="ignore"):
-        threshold = level - margin
-    return level, np.where(np.isfinite(threshold), threshold, np.nan)
+def wave_band(parts: Columns) -> FilledBand:
+    """Samples in decibels around the middle of a row: one line, however steep."""
+    low, high = (_wave_heights().take(part.view(np.uint16)) for part in (parts.low, parts.high))
+    low[:, 1:], high[:, 1:] = (
+        np.minimum(low[:, 1:], high[:, :-1]),
+        np.maximum(high[:, 1:], low[:, :-1]),
+    )
+    return FilledBand("wave", low, high)
+
+
+@cache
+def _wave_heights() -> FloatArray:
+    """The height in a row for every 16-bit sample value."""
+    values = np.arange(1 << 16, dtype=np.uint16).view(np.int16).astype(np.float64) / FULL_SCALE
+    with np.errstate(divide="ignore"):
+        return 0.5 + np.sign(values) * height_of(20 * np.log10(np.abs(values))) / 2

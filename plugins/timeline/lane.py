@@ -10,23 +10,27 @@ from typing import Any, NamedTuple
 import bpy
 import gpu
 import numpy as np
-from bpy.types import Context, Scene
+from bpy.types import Context
 from gpu_extras.batch import batch_for_shader
 
+from ...addon.blender.arrays import read_array
+from ...addon.blender.compatibility import fcurves_of
+from ...addon.blender.time import frame_seconds
+from ...addon.changes.events import file_changed
+from ...addon.scene_reader.triggers import PATH
+from ...addon.session import sessions
+from ...addon.session.derived import Derived
+from ...addon.view.layout import pixels_per_point
+from ...addon.view.levels import LEVEL_SECONDS
+from ...addon.view.render_data import Place
+from ...addon.view.screen import Recent, Uploaded, draw_flat, uploaded
+from ...addon.view.watched import active_name, watched
 from ...core.arrays import FloatArray
 from ...core.frozen import frozen
 from ...core.render.frame_result import FrameResult
-from ...core.render.lane import bands, height_of
-from ...core.render.waves import Waves, level_and_threshold, row_name
+from ...core.render.lane import bands, height_of, level_and_threshold
 from ...core.scene.values import SourceKind
-from ..blender.arrays import read_array
-from ..blender.compatibility import fcurves_of
-from ..blender.time import frame_seconds
-from ..changes.events import file_changed
-from ..scene_reader.triggers import PATH
-from ..session import sessions
-from ..session.derived import Derived
-from .lane_layout import (
+from .rows import (
     SMALL,
     Colours,
     LaneRow,
@@ -38,11 +42,7 @@ from .lane_layout import (
     stems,
     strip,
 )
-from .layout import pixels_per_point
-from .levels import LEVEL_SECONDS
-from .render_data import Place
-from .screen import Recent, Uploaded, draw_flat, uploaded
-from .watched import active_name, watched
+from .waves import Waves, row_name, wave_band
 
 _REACH = 7.0  # points around a one-shot, and around what it snaps to
 _MOST_BYTES = 1 << 27
@@ -166,8 +166,8 @@ _LAST_KEPT: Derived[_Range, int] = Derived(_keep, every_frame=True, hears=True)
 def draw(baked: Waves | None) -> None:
     """Draw callback: the lane of a scene; ``baked``: the waves of the track that is played."""
     context = bpy.context
-    scene = context.scene
-    if scene is None or not scene.haptics.meters.show_lane:
+    scene: Any = context.scene
+    if scene is None or scene.haptic_lane == "OFF":
         return
     haptics = scene.haptics
     frames = _Range(
@@ -187,9 +187,7 @@ def draw(baked: Waves | None) -> None:
         _draw_lane(context, scene, sources, None if latest is None else latest.value)
 
 
-def _draw_lane(
-    context: Context, scene: Scene, sources: tuple[Waves, ...], kept: int | None
-) -> None:
+def _draw_lane(context: Context, scene: Any, sources: tuple[Waves, ...], kept: int | None) -> None:
     region = context.region
     scale = pixels_per_point(context)
     size = region.width, region.height
@@ -201,7 +199,7 @@ def _draw_lane(
         tuple(region.view2d.region_to_view(x, 0)[0] for x in (0, region.width)),
         (watched(scene), active_name()),
         _theme(context, size[1] > SMALL * scale),
-        scene.haptics.meters.lane_wave,
+        scene.haptic_lane == "WAVES",
         tuple(mark for waves in sources for name in waves.sources for mark in marks_of(name)),
         bpy.app.translations.locale,
     )
@@ -316,7 +314,9 @@ def _bands(
         yield "amplitude", own, height, height
     own = [row for row in rows if row.name in waves.listeners and not row.is_source]
     numbers = [waves.listeners.index(row.name) for row in own]
-    for kind, low, high in bands(parts, wave) if own else ():
+    if not own:
+        return
+    for kind, low, high in (wave_band(parts),) if wave else bands(parts.level, parts.threshold):
         yield kind, own, low[numbers], high[numbers]
 
 
@@ -325,10 +325,10 @@ def _batch(kind: str, corners: Any) -> Any:
     return batch_for_shader(program, kind, {"pos": corners})
 
 
-def under(context: Context, mouse: Place) -> Mark | None:
+def under(context: Any, mouse: Place) -> Mark | None:
     """The one-shot within reach of the mouse [pixels of the region]."""
     known: _Shown | None = _shown.get(context.region.as_pointer())
-    if known is None or not context.scene.haptics.meters.show_lane:
+    if known is None or context.scene.haptic_lane == "OFF":
         return None
     near = [
         (math.dist(mouse, place), mark)

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.bake import storage
 from haptic_tracing.addon.bake.baking import bake_job
-from haptic_tracing.addon.bake.waves import computed
 from haptic_tracing.addon.blender.text import text_width
-from haptic_tracing.addon.view.lane_layout import Colours, names, rows_of, snapped, stems, strip
+from haptic_tracing.core.render.integers import FULL_SCALE
 from haptic_tracing.core.render.levels import vibration_rms
-from haptic_tracing.core.render.waves import FULL_SCALE
 from haptic_tracing.core.scene.values import Listener
+from haptic_tracing.plugins.timeline.baked import computed
+from haptic_tracing.plugins.timeline.rows import Colours, names, rows_of, snapped, stems, strip
 from haptic_tracing.sample_scenes import build_sample
 
 
