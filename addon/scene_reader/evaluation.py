@@ -35,6 +35,7 @@ class Evaluation:
         objects: dict[int, Object] = {}
         edited: set[int] = set()
         joints = moved = False
+        of_frame = names_all  # which names the actions that it plays, too
         updates = depsgraph.updates
         kinds = ("is_updated_geometry", "is_updated_transform")
         flags = (read_array(updates, kind, 1, np.bool_)[:, 0].tolist() for kind in kinds)
@@ -53,7 +54,7 @@ class Evaluation:
             elif isinstance(changed, Mesh) and is_reshaped:
                 edited.add(changed.session_uid)
             elif isinstance(changed, Action):
-                joints = True
+                joints |= not of_frame
             elif isinstance(changed, (Scene, Collection)):
                 names_all = False
         joints |= moved and not names_all

@@ -456,7 +456,7 @@ class ContactTracker:
             impacts = tuple(sorted([*impacts, *blows], key=lambda each: (each.time, each.objects)))
         pairs.touching &= examined
         pairs.examined = examined
-        pairs.open = np.where(examined, ~(pairs.touching & pairs.meet), pairs.open)
+        pairs.open = np.where(examined, ~(pairs.touching & pairs.meet), pairs.open & ~held)
         self._settle(before, distance, impacts, held)
         if search is not None:
             self._history.disturb(self._history.deviated(search.paths) & table.dynamic)

@@ -385,6 +385,7 @@ def test_a_keyed_link_conducts_at_its_joint(scene, add_box, add_empty, through_e
         for frame in (1, 20):
             obj.rotation_euler.x = frame / 20
             obj.keyframe_insert("rotation_euler", frame=frame)
+    bpy.context.view_layer.update()
     for frame in (1, 7, 20):
         scene.frame_set(frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()
