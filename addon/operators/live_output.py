@@ -132,8 +132,9 @@ class HAPTIC_OT_choose_actuator(Action):
             settings.actuators = actuators.toggled(settings.actuators, self.place)
             key, _, name = self.place.rpartition("/")
             output = outputs.running().get(key)
-            if output is not None and not obj.haptics.listener.full_scale:
-                _calibrate(obj.haptics.listener, f"{output.profile.title}: {name}")
+            title = "" if output is None else f"{output.profile.title}: {name}"
+            if title in _calibrations() and not obj.haptics.listener.full_scale:
+                _calibrate(obj.haptics.listener, title)
 
 
 _OF_SOUND_CARDS = ("shaker", "vest")

@@ -3,15 +3,18 @@ or the text that calibrate it."""
 
 import json
 import math
+from types import SimpleNamespace
 
 import bpy
 import pytest
 from haptic_tracing.addon.bake import playback, storage
+from haptic_tracing.addon.live_output import outputs
 from haptic_tracing.addon.operators import live_output
 from haptic_tracing.addon.properties import sound
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view.levels import shown_levels
 from haptic_tracing.core.devices.profile_files import BUILT_IN
+from haptic_tracing.core.devices.sound_card import sound_cards
 from haptic_tracing.core.perception import FullScale, threshold_level
 from haptic_tracing.core.render.integers import FULL_SCALE
 from haptic_tracing.core.render.lane import levels_over_time
@@ -109,3 +112,22 @@ def test_a_profile_calibrates_the_listener(hand, scene, tmp_path, monkeypatch):
     session.result_of(scene)
     (listener,) = sessions.shown(scene).result.listeners
     assert listener.device == DEVICE
+
+
+def test_a_channel_of_a_sound_card_is_chosen_and_calibrates_nothing(hand, monkeypatch):
+    """What hangs on a sound card is not known."""
+    device = {
+        "name": "Line Out",
+        "hostapi": 0,
+        "max_output_channels": 2,
+        "default_samplerate": 48_000.0,
+    }
+    module = SimpleNamespace(
+        query_hostapis=lambda: [{"name": "ALSA"}], query_devices=lambda: [device]
+    )
+    (card,) = sound_cards(module)
+    monkeypatch.setitem(outputs.running(), "line out", SimpleNamespace(profile=card))
+    choice = {"listener": "hand", "place": "line out/channel 1"}
+    assert bpy.ops.haptic.choose_actuator(**choice) == {"FINISHED"}
+    assert bpy.data.objects["hand"].haptics.live_output.actuators == choice["place"]
+    assert hand.full_scale == ""
