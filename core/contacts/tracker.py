@@ -416,11 +416,9 @@ class ContactTracker:
             sounding = sounding.copy()
             sounding[[number for blow in blows for number in blow.objects]] = True
         requested = self._requested(endpoints, sounding)
-        examined = requested | fresh
-        if endpoints is not None:
-            examined |= pairs.one_of(striking)
         held, able = self._joined(pairs, search)
-        examined = (examined & ~held) | able
+        late = fresh if endpoints is None else fresh | pairs.one_of(striking)
+        examined = ((requested | late) & ~held) | able
         self._examine_last_frame((examined & ~pairs.examined).nonzero()[0])
         before = pairs.touching & pairs.examined
         distance = pairs.distance.copy()
@@ -461,16 +459,9 @@ class ContactTracker:
         if search is not None:
             self._history.disturb(self._history.deviated(search.paths) & table.dynamic)
             self._history.hit(hits.pairs, hits.time)
-        near = pairs.distance <= table.tolerance(
-            pairs.larger, pairs.smaller, self.settings.tolerance
-        )
-        reported = (held | (pairs.touching & near)) & requested
-        return FrameContacts(
-            contacts=self._reported_contacts(reported.nonzero()[0], held, exact),
-            impacts=impacts,
-            statistics=ContactStatistics(len(pairs.key), self._queries, broad),
-            warnings=warnings,
-        )
+        contacts = self._reported_contacts(requested, held, exact)
+        statistics = ContactStatistics(len(pairs.key), self._queries, broad)
+        return FrameContacts(contacts, impacts, statistics, warnings)
 
     def _of_limbs(self) -> list[Impact]:
         """The impacts of the parts of skins since the last frame."""
@@ -581,12 +572,14 @@ class ContactTracker:
         self._airborne = self._table.dynamic.copy()
         self._airborne[pairs.bodies((pairs.struck | held).nonzero()[0])] = False
 
-    def _reported_contacts(self, rows: IntArray, held: BoolArray, exact: bool) -> ContactSet:
-        """Contacts of the pairs ``rows``, of those that a joint holds at the pivot; those of the
-        last frame where neither body has moved."""
+    def _reported_contacts(self, requested: BoolArray, held: BoolArray, exact: bool) -> ContactSet:
+        """Contacts of the pairs ``requested`` (p,), of those that a joint holds (p,) at the pivot;
+        those of the last frame where neither body has moved."""
         # Whether a pair has parted depends on the past, by the slack; its contact only on the
         # poses.
-        pairs = self._pairs
+        pairs, most = self._pairs, self.settings.tolerance
+        near = pairs.distance <= self._table.tolerance(pairs.larger, pairs.smaller, most)
+        rows = ((held | (pairs.touching & near)) & requested).nonzero()[0]
         versions = (self._poses.version[bodies[rows]] for bodies in (pairs.larger, pairs.smaller))
         state = np.array([pairs.key[rows], *versions])
         computed = exact and self._queries > 0
