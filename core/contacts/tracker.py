@@ -399,10 +399,7 @@ class ContactTracker:
             self._near.key[met], self._near.larger[met], self._near.smaller[met]
         )
         broad = perf_counter() - self._begun
-        blows: list[Impact] = []
-        if unsearched and self.settings.energy is ImpactEnergy.EFFECTIVE:
-            blows += self._of_limbs() if table.limbs else []
-            blows += self._of_weighed(endpoints, exact) if table.weighed.any() else []
+        blows = self._unsearched(endpoints, exact) if unsearched else []
         fresh = pairs.fresh(self._poses)
         exactly = Hits.none() if known is None else known.hits()
         meetings = None
@@ -439,16 +436,7 @@ class ContactTracker:
             if blows:
                 told = np.sort(table.keys(np.array([blow.objects for blow in blows])))
                 hits = hits.chosen(~among(table.keys(hits.pairs), told))
-            pairs_hit = table.keys(hits.pairs)
-            moved = self._history.moving() & ~table.dynamic
-            impacts = self._recent.of(
-                hits,
-                self._history.times[-1] - search.paths.duration,
-                among(pairs_hit, struck),
-                moved[hits.pairs].any(axis=1) & ~among(pairs_hit, keys),
-                self.bodies,
-                table,
-            )
+            impacts = self._impacts_of(hits, search.paths.duration, struck, keys)
             warnings += self._uncertain(impacts)
         if blows:
             impacts = tuple(sorted([*impacts, *blows], key=lambda each: (each.time, each.objects)))
@@ -462,6 +450,30 @@ class ContactTracker:
         contacts = self._reported_contacts(requested, held, exact)
         statistics = ContactStatistics(len(pairs.key), self._queries, broad)
         return FrameContacts(contacts, impacts, statistics, warnings)
+
+    def _impacts_of(
+        self, hits: Hits, duration: float, struck: IntArray, traced: IntArray
+    ) -> tuple[Impact, ...]:
+        """The impacts of hits in the last interval of this ``duration`` [s]. By key, the pairs that
+        have not parted since their last impact, and those of which the motion is known."""
+        key = self._table.keys(hits.pairs)
+        moved = self._history.moving() & ~self._table.dynamic
+        return self._recent.of(
+            hits,
+            self._history.times[-1] - duration,
+            among(key, struck),
+            moved[hits.pairs].any(axis=1) & ~among(key, traced),
+            self.bodies,
+            self._table,
+        )
+
+    def _unsearched(self, endpoints: Endpoints | None, exact: bool) -> list[Impact]:
+        """The impacts of parts of skins, and of what has the mass of its volume."""
+        blows: list[Impact] = []
+        if self.settings.energy is ImpactEnergy.EFFECTIVE:
+            blows += self._of_limbs() if self._table.limbs else []
+            blows += self._of_weighed(endpoints, exact) if self._table.weighed.any() else []
+        return blows
 
     def _of_limbs(self) -> list[Impact]:
         """The impacts of the parts of skins since the last frame."""

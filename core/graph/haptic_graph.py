@@ -612,9 +612,8 @@ def build_graph(
     except KeyError:
         raise _not_there(index, sources, listeners) from None
     frames = frames or ObjectFrames.unknown(len(table.names))
-    known = None
-    if before is not None and before.table is table and before.conducted.is_like(contacts, on):
-        known = before
+    known = before if before is not None and before.table is table else None
+    known = known if known is not None and known.conducted.is_like(contacts, on) else None
     order = _Order.fresh(table, contacts, on) if known is None else _Order.after(known, contacts)
     ordered, rank, node_position = order.contacts, order.rank, order.node_position
     node_kind = np.empty(len(rank), dtype=np.int8)
