@@ -121,7 +121,7 @@ def test_settings_of_the_scene_that_are_keyframed_count_at_each_frame(seesaw, sc
     same = {name for name, value in found[0].items() if value == found[1][name]}
     files_only = {"max_connections", "threshold", "epsilon", "slack", "passing"}
     files_only |= {"templates", "refractory"}
-    assert same == files_only | {"impact_table", "transmission_table", "textures"}
+    assert same == files_only | {"impact_table", "transmission_table", "textures", "joints"}
 
 
 def test_drivers_and_strips_of_the_nla_count_at_each_frame(seesaw, scene):

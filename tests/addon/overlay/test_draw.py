@@ -88,8 +88,8 @@ def test_handlers_come_and_go_any_number_of_times():
         draw_handlers.unregister()
         draw_handlers.register()
         draw_handlers.register()
-        # In world space, in pixels, with the panel Adjust Last Operation, and over timelines.
-        assert len(draw_handlers._handlers) == 4
+        # In world space, in pixels, and with the panel Adjust Last Operation.
+        assert len(draw_handlers._handlers) == 3
 
 
 def test_redraw_tags_every_3d_viewport_and_nothing_else(monkeypatch):
