@@ -37,7 +37,7 @@ class HAPTIC_OT_find_devices(Action):
 
 
 class HAPTIC_OT_connect_device(Action):
-    """Let listeners be felt through this device while the timeline plays"""
+    """Let listeners be felt through this device while the timeline plays; or silence and disconnect it if it is connected"""
 
     bl_label = "Connect"
     bl_options = {"INTERNAL"}
@@ -46,6 +46,9 @@ class HAPTIC_OT_connect_device(Action):
 
     def apply(self, context: Context) -> None:
         key = self.device or outputs.preferred(preferences().default_device)
+        if key in outputs.running():
+            outputs.disconnect(key)
+            return
         found = outputs.found(key)
         if found is None:
             raise Refused("{} is not connected: press Find Devices", key or report_text("A device"))
@@ -56,18 +59,6 @@ class HAPTIC_OT_connect_device(Action):
             settings.name = key
         outputs.connect(key, outputs.adjustment_of(settings, found.device))
         refresh.start()
-
-
-class HAPTIC_OT_disconnect_device(Action):
-    """Silence and disconnect the device"""
-
-    bl_label = "Disconnect"
-    bl_options = {"INTERNAL"}
-
-    device: StringProperty()
-
-    def apply(self, context: Context) -> None:
-        outputs.disconnect(self.device)
 
 
 class HAPTIC_OT_copy_udev_rule(Action):

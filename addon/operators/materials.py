@@ -221,12 +221,3 @@ class HAPTIC_OT_remove_material(_OnMaterial):
             obj.haptics.material.name = ""
         materials.items.remove(materials.active)
         materials.active = max(0, min(materials.active, len(materials.items) - 1))
-
-
-class HAPTIC_OT_unlink_material(OnActive):
-    """Give the active object its own values, initially those of its material"""
-
-    bl_label = "Make Own Material"
-
-    def apply(self, context: Context) -> None:
-        context.object.haptics.material.name = ""

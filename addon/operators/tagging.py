@@ -6,7 +6,6 @@ from typing import Any
 
 import bpy
 from bpy.types import Context, Object, Scene
-from mathutils import Vector
 
 from ...core.scene.materials import is_wide_and_flat
 from ..authoring import body_kit, materials
@@ -197,18 +196,6 @@ class HAPTIC_OT_add_listener(OnSelected):
             )
         if not own:
             raise ValueError(linked_message(chosen))
-
-
-class HAPTIC_OT_set_gravity(Edit):
-    """Let things fall as on Earth at the scene's unit scale, which Blender's physics ignores. Simulate again afterwards"""
-
-    bl_label = "Set Gravity"
-
-    def apply(self, context: Context) -> None:
-        scene = context.scene
-        down = scene.gravity.normalized() if any(scene.gravity) else Vector((0, 0, -1))
-        scene.use_gravity = True
-        scene.gravity = down * (9.81 / metres_per_unit(scene))
 
 
 class HAPTIC_OT_realize_instances(OnSelected):

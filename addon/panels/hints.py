@@ -89,7 +89,9 @@ def of_units(scene: Scene) -> Hint | None:
     fall = math.hypot(*settings.gravity_of(scene))
     if _SLOWEST_FALL <= fall <= _FASTEST_FALL:
         return None
-    return Hint(ui_text("Gravity: {:.3g} m/s²", fall), draw=button("haptic.set_gravity"))
+    field = "gravity" if scene.use_gravity else "use_gravity"
+    words = ui_text("Gravity: {:.3g} m/s² (on Earth 9.81)", fall)
+    return Hint(words, draw=lambda row: row.column(align=True).prop(scene, field))
 
 
 def _has_sources(scene: Scene, traced: sessions.Traced) -> bool:

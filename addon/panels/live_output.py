@@ -87,7 +87,7 @@ def _draw_devices(layout: UILayout, scene: Scene) -> None:
     for key, output in outputs.running().items():
         found = outputs.found(key)
         box = _draw_title(layout, output.profile.title, found.kind if found else "")
-        box.operator("haptic.disconnect_device", icon="UNLINKED").device = key
+        box.operator("haptic.connect_device", text="Disconnect", icon="UNLINKED").device = key
         _draw_status(box, output.status, frame_seconds(scene), limiter_seconds(scene))
         settings = scene.haptics.live_output.devices.get(key)
         if settings is not None:

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 _AT_ORIGIN = 1e-4
 """Distance [m] up to which something stands at an origin."""
+_MATERIAL = "object.haptics.material.name"
+"""Path of the name of the active object's material, which is empty if that is its own."""
 _SAME = 0.005
 """Difference of (1 - κ) ρ below which two materials feel the same."""
 
@@ -92,8 +94,13 @@ class HAPTIC_PT_object(ObjectPanel):
             return
         draw_transmission(layout, context, obj)
         material = library_owner(context, obj)
-        if material is not None:  # the library's values are shared and cannot be keyed
-            layout.operator("haptic.unlink_material", text="Make Own, to Key It", icon="UNLINKED")
+        if material is not None and is_editable(
+            obj
+        ):  # the library's values are shared and cannot be keyed
+            own = layout.operator(
+                "wm.context_set_string", text="Make Own, to Key It", icon="UNLINKED"
+            )
+            own.data_path = _MATERIAL
         layout.prop(haptics, "function")
         if haptics.function != "physical":  # whose parameters are those of the material
             draw_parameters(layout, haptics)
@@ -208,7 +215,9 @@ def _draw_material(
         icon = "NONE" if users else "UNLINKED"
         side = row.row(align=True)
         side.alignment = "RIGHT"
-        side.operator("haptic.unlink_material", text=words, icon=icon, translate=False)
+        side.enabled = is_editable(chosen.id_data)
+        own = side.operator("wm.context_set_string", text=words, icon=icon, translate=False)
+        own.data_path = _MATERIAL
     if chosen.name and material is None:
         warn(layout, "Not in this scene's library:", "the object keeps its values")
         layout.operator("haptic.new_material", text="Add to Library", icon="ADD")

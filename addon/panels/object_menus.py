@@ -23,7 +23,6 @@ _MATERIALS = (
     ("haptic.guess_material", "VIEWZOOM"),
     ("haptic.new_material", "ADD"),
     ("haptic.remove_material", "REMOVE"),
-    ("haptic.unlink_material", "UNLINKED"),
 )
 _SCENE = (
     ("haptic.trace_frame", "FILE_REFRESH"),

@@ -59,9 +59,8 @@ def _draw_devices(layout: UILayout) -> None:
         is_open = key in running and running[key].status.state == "open"
         icon = "CHECKMARK" if is_open else "ERROR" if key in running else "MOUSE_MOVE"
         show(row, fitted(title, 0.8, icon=True), icon)
-        connects = "disconnect" if key in running else "connect"
         icon = "UNLINKED" if key in running else "LINKED"
-        row.operator(f"haptic.{connects}_device", text="", icon=icon).device = key
+        row.operator("haptic.connect_device", text="", icon=icon).device = key
     draw_more(layout, len(titles) - _DEVICES)
     if inventory is not None and not titles:
         layout.label(text="No haptic device is connected", icon="INFO")

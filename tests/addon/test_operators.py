@@ -95,7 +95,6 @@ def test_trace_frame_says_when_nothing_is_tagged(add_box):
     [
         "select_object",
         "connect_device",
-        "disconnect_device",
         "copy_udev_rule",
         "choose_actuator",
         "use_signal",

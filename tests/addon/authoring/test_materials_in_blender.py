@@ -49,7 +49,7 @@ def test_objects_of_one_material_change_together(boxes, materials):
     bpy.ops.haptic.apply_material(preset="rubber")
     materials.items["Rubber"].kappa = 0.33
     assert [round(box.haptics.kappa, 5) for box in boxes] == [0.33, 0.33, 0.33, 0.1]
-    bpy.ops.haptic.unlink_material()
+    bpy.ops.wm.context_set_string(data_path="object.haptics.material.name", value="")
     materials.items["Rubber"].kappa = 0.44
     assert [round(box.haptics.kappa, 5) for box in boxes[:2]] == [0.33, 0.44]
 

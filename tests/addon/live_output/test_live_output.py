@@ -117,7 +117,7 @@ def test_panic_says_which_device_it_did_not_reach(sounds, plug, connect, capfd, 
 
 
 def test_disconnecting_lets_go_of_the_device(sounds):
-    bpy.ops.haptic.disconnect_device(device="dualsense")
+    bpy.ops.haptic.connect_device(device="dualsense")
     assert until(lambda: silent(sounds) and sounds.closed == 1)
 
 

@@ -44,7 +44,6 @@ def steps(window):
             ("new_material", {}, "Oak Crate"),
             ("remove_material", {}, "Oak Crate"),
             ("guess_material", {}, "Oak Crate"),
-            ("unlink_material", {}, "Oak Crate"),
             ("add_source", {}, "Cube"),
             ("add_listener", {}, "Oak Crate"),
             ("add_default_listeners", {"parts": "ALL"}, "Oak Crate"),

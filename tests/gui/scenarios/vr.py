@@ -113,7 +113,7 @@ def undo(stage):
 
 
 def disconnect(stage):
-    bpy.ops.haptic.disconnect_device(device=KEY)
+    bpy.ops.haptic.connect_device(device=KEY)
     yield 0.3
 
 
