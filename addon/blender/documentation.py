@@ -11,7 +11,7 @@ _PAGES = {
     "panels/materials": "ops.haptic.*material types.hapticmaterial",
     "panels/sound": "ops.haptic.convert_sound types.hapticsound",
     "panels/bake": "ops.haptic.*bake ops.haptic.*take types.hapticbake types.haptictake",
-    "panels/result": "ops.haptic.set_mode types.hapticmeters",
+    "panels/result": "types.hapticmeters",
     "panels/source": "ops.haptic.*signal ops.haptic.*envelope ops.haptic.*emphasis "
     "types.hapticdrawing types.haptice types.hapticsource",
     "devices": "ops.haptic.*device types.haptic*devi types.hapticlive types.hapticactuator",

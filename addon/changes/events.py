@@ -32,6 +32,8 @@ preview_adjusted = Event()
 """The settings of the preview as sound (HapticLiveOutputProperties)."""
 made_haptic = Event()
 """An object became haptic by its property."""
+mode_changed = Event()
+"""Another haptic mode was chosen for a scene that is not traced at every edit."""
 file_changed = Event()
 """Another file is loaded, or the add-on is disabled: everything cached about scenes is invalid."""
 disabled = Event()

@@ -109,9 +109,33 @@ class HAPTIC_OT_apply_material(OnSelected):
 
 
 class HAPTIC_OT_guess_material(OnSelected):
-    """Guess from names, shapes and masses what the selected objects are made of"""
+    """Guess from names, shapes and masses what the selected objects are made of, or choose it for each of their Blender materials, once; Make Haptic and Guess Material then use it"""
 
     bl_label = "Guess Material"
+
+    match: switch(
+        "Match",
+        "Choose the haptic material for each Blender material first",
+        options={"SKIP_SAVE", "HIDDEN"},
+    )
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        if not self.match:
+            return self.execute(context)
+        library.list_names(context.scene, with_instanced(context.selected_objects))
+        return context.window_manager.invoke_props_dialog(self, width=420)
+
+    def draw(self, context: Context) -> None:
+        if not self.match:
+            return
+        rows = context.scene.haptics.materials.names
+        wanted = library.names_of_surfaces(with_instanced(context.selected_objects))
+        column = self.layout.column(align=True)
+        for name in wanted[:_MOST_ROWS]:
+            if name in rows:
+                split = column.split(factor=0.5)
+                show(split, name)
+                split.prop(rows[name], "preset", text="")
 
     def apply(self, context: Context) -> set[str]:
         chosen = with_instanced(context.selected_objects)
@@ -122,38 +146,7 @@ class HAPTIC_OT_guess_material(OnSelected):
             known,
             len(objects),
         )
-        return {"FINISHED"} if known else {"CANCELLED"}
-
-
-class HAPTIC_OT_match_materials(OnSelected):
-    """Choose the haptic material for each Blender material of the selected objects, once; Make Haptic and Guess Material then use it"""
-
-    bl_label = "Match Materials"
-
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        library.list_names(context.scene, with_instanced(context.selected_objects))
-        return context.window_manager.invoke_props_dialog(self, width=420)
-
-    def draw(self, context: Context) -> None:
-        rows = context.scene.haptics.materials.names
-        wanted = library.names_of_surfaces(with_instanced(context.selected_objects))
-        column = self.layout.column(align=True)
-        for name in wanted[:_MOST_ROWS]:
-            if name in rows:
-                split = column.split(factor=0.5)
-                show(split, name)
-                split.prop(rows[name], "preset", text="")
-
-    def apply(self, context: Context) -> None:
-        shown = with_instanced(context.selected_objects)
-        chosen = [obj for obj in editable(shown) if obj.haptics.enabled]
-        library.list_names(context.scene, shown)
-        known = library.apply_guesses(context.scene, chosen)
-        self.tell(
-            "{} of {} objects have a name, shape or mass that tells their material",
-            known,
-            len(chosen),
-        )
+        return {"FINISHED"} if known or self.match else {"CANCELLED"}
 
 
 class HAPTIC_OT_set_model(Edit):

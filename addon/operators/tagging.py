@@ -83,7 +83,7 @@ class HAPTIC_OT_make_objects(OnSelected):
         new = [obj for obj in solid if not (obj.haptics.enabled or obj.haptics.material.name)]
         known = make_haptic(context.scene, solid, self.guess)
         if self.options.is_invoke and self.guess and len(new) > max(_FEW, 2 * known):
-            bpy.ops.haptic.match_materials("INVOKE_DEFAULT")
+            bpy.ops.haptic.guess_material("INVOKE_DEFAULT", match=True)
         if self.physics:
             add_physics(context, solid)
         if len(new) > known:

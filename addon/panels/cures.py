@@ -27,7 +27,7 @@ def draw_cure(layout: UILayout, context: Context, reason: Message) -> bool:
         case Cause.FINISHED:
             layout.operator("screen.frame_jump", text="Jump to First Frame", icon="REW").end = False
         case Cause.NEAREST_LISTENER_ONLY:
-            layout.operator("haptic.set_mode", text="Set Mode to Haptic Tracing").mode = "HT"
+            layout.prop_enum(haptics, "mode", "HT", text="Set Mode to Haptic Tracing")
         case Cause.NARROW_GAP:
             layout.prop(haptics, "contact_tolerance", text="Tolerance")
         case Cause.MUTED if obj is not None:

@@ -43,7 +43,8 @@ def next_step(scene: Scene) -> Hint | None:
     """What to do next, until there is a listener, of which the summary says everything else; None
     then, or while the first frame is traced."""
     if not scene.haptics.tracing:
-        return Hint(ui_text("Tracing is switched off"), "ERROR", button("haptic.toggle_tracing"))
+        words = ui_text("Tracing is switched off")
+        return Hint(words, "ERROR", lambda row: row.prop(scene.haptics, "tracing"))
     traced = sessions.shown(scene)
     if traced is None and sessions.is_behind(scene):
         return None

@@ -44,7 +44,10 @@ class HAPTIC_MT_materials(Menu):
         layout = self.layout
         target = context.scene.haptics.materials.target
         layout.operator("haptic.guess_material", icon="VIEWZOOM")
-        layout.operator("haptic.match_materials", icon="LINENUMBERS_ON")
+        matching = layout.operator(
+            "haptic.guess_material", text="Match Materials", icon="LINENUMBERS_ON"
+        )
+        matching.match = True
         layout.operator("haptic.new_material", icon="ADD")
         layout.separator()
         titles = {material.title for material in MATERIALS.values()}

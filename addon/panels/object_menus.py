@@ -24,10 +24,7 @@ _MATERIALS = (
     ("haptic.new_material", "ADD"),
     ("haptic.remove_material", "REMOVE"),
 )
-_SCENE = (
-    ("haptic.trace_frame", "FILE_REFRESH"),
-    ("haptic.toggle_tracing", "HIDE_OFF"),
-)
+_SCENE = (("haptic.trace_frame", "FILE_REFRESH"),)
 
 
 def _draw(menu: Menu, entries: tuple[tuple[str, str], ...]) -> None:
@@ -67,6 +64,7 @@ class HAPTIC_MT_object(Menu):
         _draw(self, _MATERIALS)
         self.layout.separator()
         _draw(self, _SCENE)
+        self.layout.prop(context.scene.haptics, "tracing")
         self.layout.menu("HAPTIC_MT_more")
 
 
@@ -116,14 +114,8 @@ class HAPTIC_MT_mode_pie(Menu):
     def draw(self, context: Context) -> None:
         pie = self.layout.menu_pie()
         for mode, (title, _) in MODES.items():
-            current = context.scene.haptics.mode == mode
             text = f"{ui_text(title)} ({mode})"
-            pie.operator(
-                "haptic.set_mode",
-                text=text,
-                icon="RADIOBUT_ON" if current else "RADIOBUT_OFF",
-                translate=False,
-            ).mode = mode.value
+            pie.prop_enum(context.scene.haptics, "mode", mode.value, text=text, translate=False)
 
 
 def draw_object_menu(self: Menu, context: Context) -> None:

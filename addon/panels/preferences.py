@@ -40,6 +40,13 @@ def draw_failures(layout: UILayout) -> None:
         warn(layout, ui_text("The plug-in {} is left out:", name), reason)
 
 
+_OF_BLENDER = {
+    "wm.call_menu_pie": ("name", "HAPTIC_"),
+    "wm.context_toggle": ("data_path", "scene.haptics."),
+}
+"""Blender's operators of shortcuts of the add-on: a property, and how it begins."""
+
+
 def draw_shortcuts(layout: UILayout, context: Context) -> None:
     """Draw the add-on's shortcuts for editing."""
     configuration = context.window_manager.keyconfigs.user
@@ -54,9 +61,9 @@ def draw_shortcuts(layout: UILayout, context: Context) -> None:
 
 
 def is_own(item: KeyMapItem) -> bool:
-    """Whether a shortcut runs an operator of the add-on or opens one of its menus."""
+    """Whether a shortcut runs an operator of the add-on, opens one of its menus or toggles one of
+    its properties."""
+    name, start = _OF_BLENDER.get(item.idname, ("", ""))
     return item.idname.startswith("haptic.") or (
-        item.idname == "wm.call_menu_pie"
-        and item.properties is not None
-        and item.properties.name.startswith("HAPTIC_")
+        bool(name) and getattr(item.properties, name, "").startswith(start)
     )

@@ -154,9 +154,7 @@ class HAPTIC_PT_comparison(ScenePanel):
         column = layout.column(align=True)
         for mode, (title, _) in MODES.items():
             name = f"{ui_text(title)} ({mode})"
-            column.operator(
-                "haptic.set_mode", text=name, depress=scene.haptics.mode == mode, translate=False
-            ).mode = str(mode)
+            column.prop_enum(scene.haptics, "mode", mode.value, text=name, translate=False)
             for index, listener in enumerate(result.listeners):
                 text = (
                     _amplitude_text(amplitudes[mode].value, index) if mode in amplitudes else "..."

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from bpy.props import PointerProperty
-from bpy.types import PropertyGroup
+from bpy.types import Context, PropertyGroup
 
 from ...core.scene.rules import ContactSettings
 from ...core.scene.values import Settings
+from ..changes.events import mode_changed
 from . import bake, live_output, materials, rules
 from .callbacks import scene_changed, updating, view_changed
 from .declared import holding
@@ -53,6 +54,12 @@ class HapticMetersProperties(PropertyGroup):
     )
 
 
+def _mode_changed(self: HapticSceneProperties, context: Context) -> None:
+    scene_changed(self, context)
+    if not self.tracing:  # else the edit is traced
+        mode_changed(self.id_data)
+
+
 @updating(scene_changed)
 @holding(
     ContactSettings,
@@ -61,7 +68,7 @@ class HapticMetersProperties(PropertyGroup):
     least_energy="minimum_energy",
     full_energy="maximum_energy",
 )
-@holding(Settings)
+@holding(Settings, more={"mode": {"update": _mode_changed}})
 class HapticSceneProperties(PropertyGroup):
     """How a scene is traced and shown."""
 

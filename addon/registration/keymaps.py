@@ -17,7 +17,7 @@ def register() -> None:
     viewport = configuration.keymaps.new(name="3D View", space_type="VIEW_3D")
     screen = configuration.keymaps.new(name="Screen", space_type="EMPTY")
     for keymap, operator, key, alt in (
-        (viewport, "haptic.toggle_tracing", "T", True),
+        (viewport, "wm.context_toggle", "T", True),
         (viewport, "wm.call_menu_pie", "M", True),
         (screen, "haptic.panic", "BACK_SPACE", False),
         (screen, "haptic.toggle_preview", "H", True),
@@ -25,6 +25,8 @@ def register() -> None:
         item = keymap.keymap_items.new(operator, key, "PRESS", ctrl=True, shift=True, alt=alt)
         if operator == "wm.call_menu_pie":
             item.properties.name = "HAPTIC_MT_mode_pie"
+        if operator == "wm.context_toggle":
+            item.properties.data_path = "scene.haptics.tracing"
         _items.append((keymap, item))
 
 

@@ -25,7 +25,7 @@ from ..blender.compatibility import THREADS_ENDANGER_SCRIPTS
 from ..blender.handlers import are_frames_shared
 from ..blender.time import Moment, frame_seconds, is_playing, seconds_of
 from ..changes import revisions
-from ..changes.events import file_changed
+from ..changes.events import file_changed, mode_changed
 from ..changes.suspension import is_stepped
 from ..scene_reader.digest import motion_of
 from ..scene_reader.evaluation import Evaluation
@@ -320,6 +320,12 @@ def begin(
     _submit(session, request, released)
 
 
+def _compare_modes(scene: Scene) -> None:
+    """Trace the frame that is shown again, in another mode."""
+    if sessions.shown(scene) is not None and not is_stepped(scene):
+        begin(scene, traced_layer(scene).depsgraph)
+
+
 def begin_stepped(scene: Scene) -> None:
     """Read a frame that was set and begin to trace it, whatever the settings of the preview: after
     the handlers of all add-ons have changed it, and Blender has evaluated that."""
@@ -462,3 +468,4 @@ def frame_of(
 
 
 file_changed.subscribe(clear)
+mode_changed.subscribe(_compare_modes)

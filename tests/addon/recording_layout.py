@@ -43,11 +43,12 @@ class RecordingLayout:
         _check_icon(icon)
         self.properties.append(name)
 
-    def prop_enum(self, data: Any, name: str, value: str, **_: Any) -> None:
+    def prop_enum(self, data: Any, name: str, value: str, *, text: str = "", **_: Any) -> None:
         assert value in data.bl_rna.properties[name].enum_items, (
             f"{data.bl_rna.identifier}.{name} is never {value}"
         )
         self.properties.append(name)
+        self.labels.append(text)
 
     def prop_search(self, data: Any, name: str, search_data: Any, search: str, **_: Any) -> None:
         assert name in data.bl_rna.properties, f"{data.bl_rna.identifier} has no property {name}"

@@ -51,7 +51,7 @@ def test_the_hint_leads_from_an_empty_scene_to_a_listener(scene, add_box, add_em
     scene.haptics.tracing = False
     layout = recording_layout.RecordingLayout()
     hints.next_step(scene).draw(layout)
-    assert layout.operators == ["haptic.toggle_tracing"]
+    assert layout.properties == ["tracing"]
 
 
 def test_bodies_that_fall_need_no_source(scene, add_box, traced):

@@ -372,7 +372,7 @@ def test_the_table_of_names_is_asked_first_and_edited_once(add_box, scene):
     row.preset = "glass"
     assert _made("Human 1", "Human 2") == ["Glass", "Glass"]
     _select(bpy.data.objects["Human 0"])
-    assert bpy.ops.haptic.match_materials() == {"FINISHED"}
+    assert bpy.ops.haptic.guess_material(match=True) == {"FINISHED"}
     assert bpy.data.objects["Human 0"].haptics.material.name == "Glass"
     oak = bpy.data.collections.new("Oak furniture")
     scene.collection.children.link(oak)

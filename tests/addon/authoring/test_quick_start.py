@@ -161,13 +161,6 @@ def test_linked_objects_are_told_apart(add_box, tmp_path):
             getattr(bpy.ops.haptic, operator)()
 
 
-def test_tracing_is_toggled(scene):
-    bpy.ops.haptic.toggle_tracing()
-    assert not scene.haptics.tracing
-    bpy.ops.haptic.toggle_tracing()
-    assert scene.haptics.tracing
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [2_500, pytest.param(10_000, marks=pytest.mark.more)])
 def test_thousands_of_objects(add_box, count):

@@ -90,7 +90,7 @@ def steps(window):
     for frame in range(20, 41):
         scene.frame_set(frame)
     yield from window.screenshot("meters")
-    bpy.ops.haptic.set_mode(mode="NEXT")
+    scene.haptics.mode = "SD"
     yield 0.5
     yield from window.screenshot("mode")
     window.seen["felt"] = any(
