@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...core.declaration import Number, Switch
+from ...core.declaration import Choice, Number, Switch
 from ...core.formats.io.catalogue import Format
 
 FORMATS = (
@@ -31,19 +31,28 @@ FORMATS = (
                 high=0.5,
                 digits=3,
             ),
+            "actuator": Choice(
+                shown="quest",
+                label="Actuator",
+                about="What will play the files: its range of frequencies, and its emphases",
+                items={
+                    "quest": ("Quest Controllers", "55 to 200 Hz"),
+                    "voice_coil": ("Voice Coil", "20 to 250 Hz, as in controllers of consoles"),
+                },
+            ),
             "frequency_min": Number(
-                shown=55.0,
+                shown=0.0,
                 label="Lowest frequency",
-                about="Hertz that the actuator plays for 0; 55 is that of Quest controllers",
-                low=1.0,
+                about="Hertz that the actuator plays for 0; 0: that of the chosen one",
+                low=0.0,
                 high=500.0,
                 digits=3,
             ),
             "frequency_max": Number(
-                shown=200.0,
+                shown=0.0,
                 label="Highest frequency",
-                about="Hertz that the actuator plays for 1; 200 is that of Quest controllers",
-                low=2.0,
+                about="Hertz that the actuator plays for 1; 0: that of the chosen one",
+                low=0.0,
                 high=1000.0,
                 digits=3,
             ),

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +23,7 @@ from ...core.formats.io.error import FormatError
 from ...core.formats.io.json_text import json_points, write_compact, write_json
 from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
-from ...core.formats.io.strict_json import (
-    parse_json,
-    read_bytes,
-    read_json,
-    without_trailing_commas,
-)
+from ...core.formats.io.strict_json import read_json
 from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
@@ -44,74 +40,75 @@ from ..keyframes.envelopes import (
     thinned_carrier,
 )
 from ..keyframes.fitting import Fit
-from .json5 import as_json
+from .actuator import ACTUATORS, DUCKING, Actuator, actuator_beside, power
 
 SLIGHT = 0.05
 """Amount by which amplitudes may exceed their range to be clipped instead of refused."""
-_EMPHASIS = {"frequency_min": (55.0, 36.4, "sine"), "frequency_max": (165.0, 12.1, "square")}
-"""Frequency [Hz], duration [ms] and wave of an emphasis of frequency 0, and of 1, in the
-configuration of Quest's actuator; between them all three are mixed linearly."""
-_DUCKING = 0.5
-"""Factor of the continuous signal while an emphasis sounds."""
 _ENVELOPES = ("signals", "continuous", "envelopes")
 _SCHEMA = Path(__file__).with_name("haptic_v1.schema.json")
 _PARTS = ((*_ENVELOPES, "frequency"), (*_ENVELOPES, "amplitude", "*", "emphasis"))
-_QUEST = (55.0, 200.0)
 
 
 def loss(export: TrackExport, options: Form) -> Iterator[str]:
     """What the files do not carry, one sentence each."""
-    low, high = _range(options)
+    actuator = _actuator(options)
+    low, high = actuator.low, actuator.high
     yield from common_losses(export.need_tracks(), body=False)
     yield "the place on the body: the format has none; the file name gives the listener"
     yield f"all but one oscillation at a time, between {low:g} and {high:g} Hz"
+    yield f"the pitch below {low:g} and above {high:g} Hz: played as {low:g} and {high:g} Hz"
     yield "the strength of players: amplitude and frequency are shares of what an actuator can do"
 
 
 def comparison(tracks: Tracks, options: Form, progress: Progress) -> Comparison:
     """What compares the files with the tracks."""
-    return Comparison(
-        tracks,
-        Measures(Kind.SPECTRUM if options["points"] else Kind.WAVE, *_range(options)),
-        progress,
-    )
+    kind, actuator = Kind.SPECTRUM if options["points"] else Kind.WAVE, _actuator(options)
+    return Comparison(tracks, Measures(kind, actuator.low, actuator.high), progress)
 
 
 def write(export: TrackExport, folder: Path, options: Form, measured: Comparison) -> list[Path]:
     """Write ``<scene>.<listener>.haptic`` and ``.acf`` for each listener."""
-    low, high = _range(options)
+    actuator = _actuator(options)
+    low, high = actuator.low, actuator.high
     files = []
     for number, listener, row, path in listener_files(export, folder, ".haptic"):
         bursts: list[Burst] = []
         if options["points"]:
-            bursts = bursts_of(row, listener.impacts, _burst_form) if options["emphasis"] else []
+            if options["emphasis"]:
+                bursts = bursts_of(row, listener.impacts, actuator.burst_form)
             carrier = thinned_carrier(WithoutBursts(row, bursts), low, high, options["points"])
         else:
             carrier = single_carrier(row, Fit(error=options["error"], lowest=low, highest=high))
-        document = _document(export, listener, carrier, low, high, bursts)
-        played = _carriers(document["signals"]["continuous"]["envelopes"], low, high, str(path))
+        document = _document(export, listener, carrier, actuator, bursts)
+        played = _carriers(document["signals"]["continuous"]["envelopes"], actuator, str(path))
         compare_carriers(number, played, measured)
         files.append(write_compact(path, document))
-        files.append(
-            write_json(path.with_suffix(".acf"), _configuration(export, listener, low, high))
-        )
+        metadata = {
+            "version": "1.0.0",
+            "device": f"{export.name}, {listener.name}",
+            "date": export.date,
+            "author": credit(export),
+        }
+        configuration = {"metadata": metadata, **actuator.configuration()}
+        files.append(write_json(path.with_suffix(".acf"), configuration))
     return files
 
 
-def _range(options: Form) -> tuple[float, float]:
-    low = options["frequency_min"]
-    high = options["frequency_max"]
+def _actuator(options: Form) -> Actuator:
+    """The chosen actuator, with the chosen range."""
+    chosen = ACTUATORS[options["actuator"]]
+    low = options["frequency_min"] or chosen.low
+    high = options["frequency_max"] or chosen.high
     if low >= high:
         raise ValueError(f"frequency_max: must be above frequency_min ({low:g}), not {high:g}")
-    return low, high
+    return replace(chosen, low=low, high=high)
 
 
 def _document(
     export: TrackExport,
     listener: ListenerTrack,
     carrier: Carrier,
-    low: float,
-    high: float,
+    actuator: Actuator,
     bursts: Sequence[Burst],
 ) -> JsonObject:
     """The document of a listener's file.
@@ -120,13 +117,13 @@ def _document(
         export: what is exported.
         listener: the listener.
         carrier: its vibration as a tone of changing amplitude and frequency.
-        low: frequency of the value 0 [Hz].
-        high: frequency of the value 1 [Hz].
+        actuator: what plays the file.
         bursts: its impacts.
     """
+    low, high = actuator.low, actuator.high
     shares = np.clip((carrier.frequencies - low) / (high - low), 0.0, 1.0)
     envelopes = {
-        "amplitude": _amplitude_points(carrier, bursts),
+        "amplitude": _amplitude_points(carrier, actuator, bursts),
         "frequency": json_points(
             "time", "frequency", carrier.frequency_times.round(6), shares.round(6)
         ),
@@ -146,7 +143,9 @@ def _document(
     }
 
 
-def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[JsonObject]:
+def _amplitude_points(
+    carrier: Carrier, actuator: Actuator, bursts: Sequence[Burst]
+) -> list[JsonObject]:
     """The breakpoints of the amplitude, and one with an emphasis for each burst: it has the power
     of the burst and that by which players duck the envelope meanwhile, and at least the amplitude
     of the envelope, as the format demands."""
@@ -160,9 +159,9 @@ def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[JsonObj
     )
     for burst in bursts:
         point = points[int(np.searchsorted(every, burst.time))]
-        level, sharpness = point["amplitude"], _sharpness(burst.frequency)
-        lost = (1 - _DUCKING**2) * level**2 / 2
-        strength = math.sqrt(burst.amplitude**2 + lost / _power(sharpness))
+        level, sharpness = point["amplitude"], actuator.sharpness(burst.frequency)
+        lost = (1 - DUCKING**2) * level**2 / 2
+        strength = math.sqrt(burst.amplitude**2 + lost / power(sharpness))
         point["emphasis"] = {
             "amplitude": round(min(max(strength, level), 1.0), 6),
             "frequency": round(sharpness, 4),
@@ -170,44 +169,8 @@ def _amplitude_points(carrier: Carrier, bursts: Sequence[Burst]) -> list[JsonObj
     return points
 
 
-def _sharpness(frequency: float) -> float:
-    """The emphasis frequency, from 0 to 1, that plays a frequency (hertz)."""
-    (low, *_), (high, *_) = _EMPHASIS.values()
-    return min(max((frequency - low) / (high - low), 0.0), 1.0)
-
-
-def _burst_form(frequency: float) -> tuple[float, float]:
-    """Seconds of the burst of an emphasis, and its power at amplitude 1, by frequency (hertz)."""
-    sharpness = _sharpness(frequency)
-    return float(_seconds(np.asarray(sharpness))), _power(sharpness)
-
-
-def _configuration(
-    export: TrackExport, listener: ListenerTrack, low: float, high: float
-) -> JsonObject:
-    emphasis = {
-        key: {"output_frequency": frequency, "duration_ms": milliseconds, "shape": shape}
-        for key, (frequency, milliseconds, shape) in _EMPHASIS.items()
-    }
-    return {
-        "metadata": {
-            "version": "1.0.0",
-            "device": f"{export.name}, {listener.name}",
-            "date": export.date,
-            "author": credit(export),
-        },
-        "continuous": {
-            "gain": 1.0,
-            "emphasis_ducking": _DUCKING,
-            "frequency_min": low,
-            "frequency_max": high,
-        },
-        "emphasis": {"gain": 1.0, "fade_out_percent": 0.0, **emphasis},
-    }
-
-
 def read(path: Path) -> VibrationFile:
-    """The vibration, with the frequency range of the ``.acf`` beside the file, or of Quest
+    """The vibration, as the actuator of the ``.acf`` beside the file plays it, or that of Quest
     controllers if there is none.
 
     Raises FormatError or OSError.
@@ -217,11 +180,11 @@ def read(path: Path) -> VibrationFile:
     if _clip_slight_excess(document):
         losses[f"amplitudes up to {1 + SLIGHT:g} are clipped to 1"] = None
     metadata = _without_unplayed_parts(document)
-    low, high = _range_beside(path, losses)
+    actuator = actuator_beside(path, losses)
 
     def carriers_of() -> tuple[Carrier, ...]:
         validate(document, _SCHEMA, path)
-        return _carriers(document["signals"]["continuous"]["envelopes"], low, high, path)
+        return _carriers(document["signals"]["continuous"]["envelopes"], actuator, path)
 
     carriers = without_damaged(document, _PARTS, losses, carriers_of)
     name = metadata.get("description") if isinstance(metadata, dict) else None
@@ -263,7 +226,7 @@ def _clip_slight_excess(document: Any) -> bool:
     return clipped
 
 
-def _carriers(envelopes: Form, low: float, high: float, path: str | Path) -> tuple[Carrier, ...]:
+def _carriers(envelopes: Form, actuator: Actuator, path: str | Path) -> tuple[Carrier, ...]:
     """The oscillation of the envelopes, and the carriers of emphases. Raises FormatError for times
     that decrease."""
     place = "/signals/continuous/envelopes"
@@ -278,15 +241,16 @@ def _carriers(envelopes: Form, low: float, high: float, path: str | Path) -> tup
     accented = [point for point in envelopes["amplitude"] if "emphasis" in point]
     begins = np.array([point["time"] for point in accented], dtype=np.float64)
     sharpness = np.array([point["emphasis"]["frequency"] for point in accented])
-    ends = np.minimum(begins + _seconds(sharpness), np.append(begins[1:], math.inf)[: len(begins)])
-    ducked_times, ducked = _ducked(times, amplitudes, np.stack([begins, ends], axis=1))
-    continuous = Carrier(
-        0.0, float(times[-1]), 0.0, ducked_times, ducked, key_times, low + shares * (high - low)
+    ends = np.minimum(
+        begins + actuator.seconds(sharpness), np.append(begins[1:], math.inf)[: len(begins)]
     )
+    ducked_times, ducked = _ducked(times, amplitudes, np.stack([begins, ends], axis=1))
+    hertz = actuator.low + shares * (actuator.high - actuator.low)
+    continuous = Carrier(0.0, float(times[-1]), 0.0, ducked_times, ducked, key_times, hertz)
     emphases = (
         wave
         for begin, end, point in zip(begins.tolist(), ends.tolist(), accented, strict=True)
-        for wave in _emphasis(begin, end, **point["emphasis"])
+        for wave in actuator.emphasis(begin, end, **point["emphasis"])
     )
     return (continuous, *emphases)
 
@@ -302,11 +266,11 @@ def _ducked(
         [np.searchsorted(times, emphases[:, 0], "right"), np.searchsorted(times, emphases[:, 1])]
     ).T
     jumps = np.interp(edges, times, amplitudes).repeat(2)
-    jumps *= np.tile([1.0, _DUCKING, _DUCKING, 1.0], len(emphases))
+    jumps *= np.tile([1.0, DUCKING, DUCKING, 1.0], len(emphases))
     places = places.ravel().repeat(2)
     return (
         np.insert(times, places, edges.repeat(2)),
-        np.insert(amplitudes * np.where(inside, _DUCKING, 1.0), places, jumps),
+        np.insert(amplitudes * np.where(inside, DUCKING, 1.0), places, jumps),
     )
 
 
@@ -318,54 +282,3 @@ def _points(
     if len(backwards):
         raise FormatError(path, f"{place}/{backwards[0] + 1}/time", "times must not decrease")
     return times, np.array([point[key] for point in points], dtype=np.float64)
-
-
-def _range_beside(path: Path, losses: dict[str, None]) -> tuple[float, float]:
-    beside = path.with_suffix(".acf")
-    if not beside.is_file():
-        losses["there is no .acf beside the file: frequencies are those of Quest controllers"] = (
-            None
-        )
-        return _QUEST
-    try:
-        text = as_json(read_bytes(beside).decode("utf-8", "replace"))
-        configuration = parse_json(without_trailing_commas(text.encode()), beside)
-    except FormatError as error:
-        losses[f"{beside.name} is not used: {error.reason}"] = None
-        return _QUEST
-    continuous = configuration.get("continuous") if isinstance(configuration, dict) else None
-    if isinstance(continuous, dict):
-        low = continuous.get("frequency_min")
-        high = continuous.get("frequency_max")
-        if (
-            isinstance(low, int | float)
-            and isinstance(high, int | float)
-            and 0 < low < high <= 20_000
-        ):
-            return float(low), float(high)
-    losses[f"{beside.name} gives no range of frequencies: they are those of Quest controllers"] = (
-        None
-    )
-    return _QUEST
-
-
-def _seconds(sharpness: FloatArray) -> FloatArray:
-    """Duration of emphases of frequencies from 0 to 1."""
-    (_, long, _), (_, short, _) = _EMPHASIS.values()
-    return np.asarray((long + (short - long) * sharpness) / 1000)
-
-
-def _power(sharpness: float) -> float:
-    """Mean square of an emphasis of amplitude 1: of ``(1 - s) sin + s sgn(sin)``."""
-    sine, square = 1 - sharpness, sharpness
-    return sine**2 / 2 + 4 / math.pi * sine * square + square**2
-
-
-def _emphasis(begin: float, end: float, amplitude: float, frequency: float) -> Iterator[Carrier]:
-    """The waves of an emphasis: a sine that fades into a square as its frequency, from 0 to 1,
-    rises."""
-    (low, _, dull), (high, _, sharp) = _EMPHASIS.values()
-    zero, hertz = np.zeros(1), np.full(1, low + (high - low) * frequency)
-    for wave, share in ((dull, 1 - frequency), (sharp, frequency)):
-        if share * amplitude > 0 and end > begin:
-            yield Carrier(begin, end, 0.0, zero, np.full(1, share * amplitude), zero, hertz, wave)

@@ -1,4 +1,4 @@
-"""The range of frequencies of an actuator's file, which is JSON5 where its maker wrote it."""
+"""Actuators: their files, which are JSON5 where their maker wrote them, and clips for the chosen one."""
 
 import json
 import re
@@ -17,6 +17,22 @@ MAKERS = r"""
   continuous: { gain: 1.0, emphasis_ducking: 0.5, frequency_min: 55.0, frequency_max : 200, },
 }
 """
+
+EMPHASES = {
+    "version": {"major": 1},
+    "signals": {
+        "continuous": {
+            "envelopes": {
+                "amplitude": [
+                    {"time": 0.0, "amplitude": 0.5},
+                    {"time": 0.1, "amplitude": 0.5, "emphasis": {"amplitude": 1, "frequency": 0}},
+                    {"time": 0.3, "amplitude": 0.5, "emphasis": {"amplitude": 1, "frequency": 1}},
+                    {"time": 0.5, "amplitude": 0.5},
+                ]
+            }
+        }
+    },
+}
 
 
 @pytest.fixture
@@ -59,19 +75,83 @@ def test_no_text_takes_long(piece):
     assert as_json(piece * (2**20 // len(piece))) is not None
 
 
+def test_emphases_are_those_of_the_file(tmp_path):
+    """Meta's file of a console's voice coil: 27 ms of sine at 55 Hz, 20 ms of square at 130 Hz; of
+    Quest controllers, which play what it does not give: 36.4 ms at 55 Hz, 12.1 ms at 165 Hz."""
+    (tmp_path / "clip.haptic").write_text(json.dumps(EMPHASES))
+    ends = [
+        f"frequency_{end}: {{output_frequency: {hertz}, duration_ms: {milliseconds}}}"
+        for end, hertz, milliseconds in (("min", 55.0, 27.0), ("max", 130.0, 20.0))
+    ]
+    for emphasis, expected in (
+        (f"emphasis: {{{', '.join(ends)}}}", [(55.0, 0.027, "sine"), (130.0, 0.02, "square")]),
+        ("", [(55.0, 0.0364, "sine"), (165.0, 0.0121, "square")]),
+    ):
+        continuous = "continuous: {frequency_min: 20.0, frequency_max: 250.0}"
+        (tmp_path / "clip.acf").write_text(f"{{{continuous}, {emphasis}}}")
+        (channel,) = registry.read(tmp_path / "clip.haptic").channels
+        found = [
+            (wave.frequencies[0], wave.end - wave.start, wave.wave) for wave in channel.carriers[1:]
+        ]
+        for one, (hertz, seconds, wave) in zip(found, expected, strict=True):
+            assert one == (hertz, pytest.approx(seconds), wave)
+
+
+def test_an_actuator_of_one_frequency_plays_that(clip):
+    """As of Meta's file of a console that plays amplitudes alone."""
+    assert clip("{continuous: {frequency_min: 60, frequency_max: 60}}") == (60.0, ())
+
+
+def tones(**amplitudes):
+    """A second of tones, such as ``hz_300=0.4``."""
+    times = np.arange(8000) / 8000
+    waves = (
+        amplitude * np.sin(2 * np.pi * int(name[3:]) * times)
+        for name, amplitude in amplitudes.items()
+    )
+    return Export("tone", tracks=Tracks((ListenerTrack("hand"),), 8000, sum(waves)[None]))
+
+
+def heard(folder):
+    """The frequency at which the clip is played."""
+    (channel,) = registry.read(folder / "tone.haptic").channels
+    return int(np.abs(np.fft.rfft(channel.at_rate(8000)[:8000])).argmax())
+
+
 def test_by_default_files_are_written_for_the_range_by_which_they_are_played(tmp_path):
     """A tone of 120 Hz, in a clip without the file beside it, is read as 120 Hz."""
-    tone = 0.5 * np.sin(2 * np.pi * 120 * np.arange(8000) / 8000)
-    export = Export("tone", tracks=Tracks((ListenerTrack("hand"),), 8000, tone[None]))
-    registry.write("haptic", export, tmp_path)
+    registry.write("haptic", tones(hz_120=0.5), tmp_path)
     (tmp_path / "tone.acf").unlink()
-    (channel,) = registry.read(tmp_path / "tone.haptic").channels
-    spectrum = np.abs(np.fft.rfft(channel.at_rate(8000)[:8000]))
-    assert abs(int(spectrum.argmax()) - 120) <= 1
+    assert abs(heard(tmp_path) - 120) <= 1
 
 
-def test_what_the_range_cuts_is_said(tmp_path):
-    high = 0.5 * np.sin(2 * np.pi * 300 * np.arange(8000) / 8000)
-    export = Export("tone", tracks=Tracks((ListenerTrack("hand"),), 8000, high[None]))
-    losses = registry.write("haptic", export, tmp_path).losses
-    assert any("of the power, which lies outside of 55 to 200 Hz" in loss for loss in losses)
+def outside(losses, low, high):
+    """The share of the power outside of the range that the report says, 0 if it says none. A
+    second's tone begins and ends at once, by which a few thousandths are elsewhere."""
+    said = re.compile(rf"([\d.]+) ?% of the power, which lies outside of {low} to {high} Hz")
+    return sum(float(found[1]) / 100 for found in map(said.search, losses) if found)
+
+
+@pytest.mark.parametrize(
+    ("options", "low", "high"),
+    [
+        ({}, 55, 200),
+        ({"actuator": "voice_coil"}, 20, 250),
+        ({"frequency_max": 500.0}, 55, 500),
+        ({"actuator": "voice_coil", "frequency_max": 320.0}, 20, 320),
+    ],
+)
+@pytest.mark.parametrize("hertz", [40, 120, 230, 300])
+def test_tones_outside_of_the_range_are_played_at_its_ends(tmp_path, options, low, high, hertz):
+    losses = registry.write("haptic", tones(**{f"hz_{hertz}": 0.5}), tmp_path, options).losses
+    assert abs(heard(tmp_path) - min(max(hertz, low), high)) <= 1
+    assert outside(losses, low, high) == pytest.approx(0 if low <= hertz <= high else 1, abs=0.005)
+    assert f"the pitch below {low} and above {high} Hz: played as {low} and {high} Hz" in losses
+    written = json.loads((tmp_path / "tone.acf").read_text())["continuous"]
+    assert (written["frequency_min"], written["frequency_max"]) == (low, high)
+
+
+def test_the_share_of_the_power_outside_is_said(tmp_path):
+    """Of sines of 0.3 and 0.4: 0.09 to 0.16."""
+    losses = registry.write("haptic", tones(hz_120=0.3, hz_300=0.4), tmp_path).losses
+    assert outside(losses, 55, 200) == pytest.approx(0.16 / 0.25, abs=0.005)
