@@ -525,7 +525,7 @@ class _Order:
     contact: IntArray
     side: IntArray
     node_position: FloatArray
-    changed: IntArray | slice = slice(None)
+    changed: IntArray | slice = field(default_factory=lambda: slice(None))
     found: ContactSet | None = None
 
     @classmethod
