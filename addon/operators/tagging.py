@@ -72,7 +72,7 @@ class HAPTIC_OT_make_objects(OnSelected):
             if instancer is not None:
                 raise TranslatedError(
                     "'{}' shows a collection that is linked from a library or has no surface: "
-                    "press Realize Instances, then make the objects haptic",
+                    "use Object > Apply > Make Instances Real, then make the objects haptic",
                     instancer.name,
                 )
             message = (
@@ -196,24 +196,6 @@ class HAPTIC_OT_add_listener(OnSelected):
             )
         if not own:
             raise ValueError(linked_message(chosen))
-
-
-class HAPTIC_OT_realize_instances(OnSelected):
-    """Make the instances of the selected objects objects of their own: each can then be edited, and be a source or feel by itself"""
-
-    bl_label = "Realize Instances"
-
-    def apply(self, context: Context) -> None:
-        instancers = [obj for obj in context.selected_objects if obj.instance_type != "NONE"]
-        if not instancers:
-            raise TranslatedError(
-                "None of the selected objects shows instances of a collection. For those of "
-                "geometry nodes, add the node Realize Instances"
-            )
-        with context.temp_override(
-            selected_objects=instancers, selected_editable_objects=instancers
-        ):
-            bpy.ops.object.duplicates_make_real()
 
 
 class HAPTIC_OT_clear(OnSelected):

@@ -151,7 +151,7 @@ def _notice(scene: Scene) -> Hint | None:
         return Hint(ui_text("Heard, too: see the speaker below"), "SPEAKER")
     if (moving := _moving_instances(scene)) is not None and moving[1] > _MUCH:
         words = ui_text("{:,} instances move: {:.0f} ms a frame", *moving)
-        return Hint(words, draw=button("haptic.realize_instances"))
+        return Hint(words, draw=button("object.duplicates_make_real"))
     if (units := of_units(scene)) is not None:
         return units
     if (doubt := doubtful_scale.doubt(scene)) is not None:

@@ -170,7 +170,7 @@ def _ignored_roles(depsgraph: Depsgraph) -> Iterator[Problem]:
     for instancer, shown in instanced_collections(depsgraph):
         if any(obj.haptics.source.enabled or obj.haptics.listener.enabled for obj in shown):
             words = iface_(
-                "the sources and listeners of its collection don't count here: press Realize "
-                "Instances"
+                "the sources and listeners of its collection don't count here: use Object > "
+                "Apply > Make Instances Real"
             )
             yield Problem(instancer.name_full, words)

@@ -76,7 +76,7 @@ def test_instances_of_a_collection_touch_as_the_same_objects_made_real(crates):
     assert names == ["floor", *names[1:]] and "place 0: crate 0" in names
     for obj in bpy.context.scene.objects:
         obj.select_set(obj in places)
-    bpy.ops.haptic.realize_instances()
+    bpy.ops.object.duplicates_make_real()
     real = traced()
     assert len(real.objects) == 1 + 3 * 2 and "place 0: crate 0" not in real.objects
     assert len(real.contacts.pairs) == len(found.contacts.pairs) == 5
@@ -240,16 +240,13 @@ def test_a_source_with_no_surface_but_its_instances_is_named(scene):
     assert session.problems_of(scene) == ()
 
 
-def test_an_instance_without_a_surface_names_its_button(scene, add_empty):
+def test_an_instance_without_a_surface_names_the_cure(scene, add_empty):
     collection = bpy.data.collections.new("nothing")
     empty = add_empty("here")
     empty.instance_type, empty.instance_collection = "COLLECTION", collection
     empty.select_set(True)
-    with pytest.raises(RuntimeError, match=r"here.+Realize Instances"):
+    with pytest.raises(RuntimeError, match=r"here.+Make Instances Real"):
         bpy.ops.haptic.make_objects()
-    empty.instance_type = "NONE"
-    with pytest.raises(RuntimeError, match="node Realize Instances"):
-        bpy.ops.haptic.realize_instances()
 
 
 @pytest.mark.parametrize(

@@ -187,9 +187,7 @@ def test_the_instance_of_a_linked_collection_says_what_to_do(tmp_path: Path, ope
         object=instance, active_object=instance, selected_objects=[instance]
     )
     cure = (
-        "press Realize Instances"
-        if operator == "make_objects"
-        else "Object > Library Override > Make"
+        "Make Instances Real" if operator == "make_objects" else "Object > Library Override > Make"
     )
     with chosen, pytest.raises(RuntimeError, match=cure):
         getattr(bpy.ops.haptic, operator)()

@@ -254,7 +254,7 @@ def test_sources_and_listeners_of_a_collection_instance_are_named(
     assert problem.object == "rig here" and "sources and listeners" in problem.message
     bpy.context.view_layer.objects.active = rig
     rig.select_set(True)
-    assert bpy.ops.haptic.realize_instances() == {"FINISHED"}
+    assert bpy.ops.object.duplicates_make_real() == {"FINISHED"}
     (made,) = [obj for obj in scene.objects if obj.type == "MESH"]
     assert getattr(made.haptics, role).enabled
     traced()

@@ -13,7 +13,7 @@ import bpy
 import pytest
 from haptic_tracing.sample_scenes import SAMPLES
 
-MOST_SETTINGS, MOST_OPERATORS = 136, 60
+MOST_SETTINGS, MOST_OPERATORS = 132, 52
 
 
 def kinds_of(group: Any) -> Iterator[tuple[type, Any]]:
