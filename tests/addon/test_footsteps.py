@@ -8,6 +8,7 @@ from typing import Any
 import bmesh
 import bpy
 import pytest
+from haptic_tracing.addon.blender.compatibility import fcurves_of
 from haptic_tracing.addon.panels import hints
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view.levels import shown_levels
@@ -72,17 +73,13 @@ def walker(scene: Any, add_box: Any) -> Any:
             for part, height in ((0, 0.0), (STEP // 2, 1.0), (STEP, 0.0)):
                 bone.location = up * height * (step % 2 == number)
                 bone.keyframe_insert("location", frame=1 + step * STEP + part)
-    for curve in curves_of(rig):
+    for curve in fcurves_of(rig):
         for key in curve.keyframe_points:
             key.interpolation = "LINEAR"
     scene.frame_set(1)
     bpy.context.view_layer.objects.active = rig
     rig.select_set(True)
     return SimpleNamespace(rig=rig, skin=skin)
-
-
-def curves_of(rig: Any) -> Any:
-    return rig.animation_data.action.layers[0].strips[0].channelbags[0].fcurves
 
 
 def blows_of(scene: Any) -> list[tuple[int, Any]]:
@@ -135,7 +132,7 @@ def test_feet_strike_with_the_energies_of_walking(scene, walker):
 
 def test_feet_that_stand_or_slide_on_the_ground_strike_nothing(scene, walker):
     bpy.ops.haptic.add_footsteps()
-    for curve in curves_of(walker.rig):
+    for curve in fcurves_of(walker.rig):
         if "pose.bones" in curve.data_path:
             curve.mute = True
     assert not blows_of(scene)
@@ -165,7 +162,7 @@ def test_what_is_keyed_strikes_without_a_rigid_body(scene, add_box):
     for frame, height in ((1, 1.3), (13, 0.1), (24, 0.1)):
         box.location.z = height
         box.keyframe_insert("location", frame=frame)
-    for curve in curves_of(box):
+    for curve in fcurves_of(box):
         for key in curve.keyframe_points:
             key.interpolation = "LINEAR"
     scene.frame_end = 24
