@@ -52,7 +52,8 @@ def connect(hid) -> Callable[[], list[str]]:
         outputs.wait_until_found()
         keys = [found.key for found in outputs.inventory().devices]
         for key in keys:
-            bpy.ops.haptic.connect_device(device=key)
+            if key not in outputs.running():
+                bpy.ops.haptic.connect_device(device=key)
         until(lambda: all(outputs.running()[key].status.state == "open" for key in keys))
         return keys
 
