@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.contacts.known_motion import KnownMotion
 from haptic_tracing.core.contacts.settings import Body, ContactSettings
-from haptic_tracing.core.contacts.shapes import Box
+from haptic_tracing.core.contacts.shapes import Box, Sphere
 from haptic_tracing.core.contacts.tracker import ContactTracker
 
 MASS, HEIGHT, LAST = 20.0, 1.5, 0.25
@@ -122,3 +122,66 @@ def test_over_a_gap_a_blow_has_the_mean_speed(gap, speed):
         found += tracker.update(time, places).impacts
     expected = [] if speed is None else [MASS / 2 * speed**2]
     assert [blow.energy for blow in found] == pytest.approx(expected, rel=1e-3)
+
+
+def blows_of_ball(ball, other, places, rate):
+    """Of a ball of 0.1 m and another body, by their ``places`` along x and z in each frame."""
+    tracker = ContactTracker([ball, other], ContactSettings(refractory=0.0))
+    found = []
+    for frame, both in enumerate(places):
+        transforms = np.tile(np.eye(4), (2, 1, 1))
+        transforms[:, (0, 2), 3] = both
+        found += tracker.update(frame / rate, transforms).impacts
+    return found
+
+
+@pytest.mark.parametrize("leap", [1.0, -1.0, 0.3])
+@pytest.mark.parametrize("phase", [0.1, 0.3, 0.5, 0.7, 0.9])
+def test_what_was_set_elsewhere_does_not_strike_at_the_speed_of_its_leap(leap, phase):
+    """A ball meets it in the next interval, at its own speed and with the reduced mass of both."""
+    rate, leaps, speed, mass = 24, 6, 2.0, 2.0
+    ball = Body("ball", Sphere(0.1), mass)
+    box = Body("box", Box((0.4, 0.4, 0.4)), MASS, motion="kinematic")
+    places = []
+    for frame in range(14):
+        after = (frame - leaps - phase) / rate
+        x = 0.3 + speed * after * (-1.0 if after < 0 else 0.3)
+        places.append([(x, 0.0), (-leap if frame < leaps else 0.0, 0.0)])
+    (blow,) = blows_of_ball(ball, box, places, rate)
+    assert blow.time * rate == pytest.approx(leaps + phase, abs=0.01)
+    assert blow.energy == pytest.approx(mass * MASS / (mass + MASS) / 2 * speed**2, rel=0.01)
+
+
+@pytest.mark.parametrize("phase", [0.2, 0.5, 0.8])
+def test_what_flies_on_as_before_strikes_at_its_speed(phase):
+    """In the third interval of its flight, of which only the mean speeds are known until then."""
+    rate, speed, mass, hits = 24, 3.0, 2.0, 2 + phase
+    ball = Body("ball", Sphere(0.1), mass)
+    wall = Body("wall", Box((0.2, 40.0, 40.0)), motion="static")
+    places = []
+    for frame in range(8):
+        after = (frame - hits) / rate
+        places.append([(speed * after * (1.0 if after < 0 else -0.3) - 0.2, 0.0), (0.0, 0.0)])
+    (blow,) = blows_of_ball(ball, wall, places, rate)
+    assert blow.time * rate == pytest.approx(hits, abs=0.01)
+    assert blow.energy == pytest.approx(mass / 2 * speed**2, rel=0.01)
+
+
+def test_what_falls_from_rest_soon_after_it_is_let_go_strikes_with_its_height():
+    """It is let go so shortly before a frame that it has moved by less than a millimetre there."""
+    rate, mass, height, gravity = 24, 2.0, 0.02, 9.81
+    ball = Body("ball", Sphere(0.1), mass)
+    floor = Body("floor", Box((20.0, 20.0, 1.0)), motion="static")
+    released = 5.9 / rate
+    lands = released + math.sqrt(2 * height / gravity)
+    bounce_speed = 0.3 * math.sqrt(2 * gravity * height)
+    places = []
+    for frame in range(14):
+        fallen, after = frame / rate - released, frame / rate - lands
+        z = height - gravity / 2 * max(fallen, 0.0) ** 2
+        if after > 0:
+            z = max(bounce_speed * after - gravity / 2 * after**2, 0.0)
+        places.append([(0.0, 0.1 + z), (0.0, -0.5)])
+    blow = blows_of_ball(ball, floor, places, rate)[0]
+    assert blow.time == pytest.approx(lands, abs=0.0005)
+    assert blow.energy == pytest.approx(mass * gravity * height, rel=0.01)
