@@ -1,4 +1,4 @@
-"""What steps of a character are felt with: its skins, their rule, and the meshes under its feet."""
+"""Footsteps of a character: the skins of its feet, a rule for their impacts, and the ground."""
 
 from __future__ import annotations
 

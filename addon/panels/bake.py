@@ -84,7 +84,7 @@ def _draw_takes(layout: UILayout, scene: Scene) -> None:
 
 
 def _draw_differences(layout: UILayout, scene: Scene, other: str) -> None:
-    """Draw by how much each listener's level over the whole take differs from the other take."""
+    """Draw each listener's level over the whole take, relative to that in the other take."""
     latest = takes.differences(scene)
     if latest is None or not latest.is_current:
         layout.label(text="Comparing...", icon="SORTTIME")

@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 
 _AT_ORIGIN = 1e-4
 """Distance [m] up to which something stands at an origin."""
-_MATERIAL = "object.haptics.material.name"
-"""Path of the name of the active object's material, which is empty if that is its own."""
 _SAME = 0.005
 """Difference of (1 - κ) ρ below which two materials feel the same."""
 
@@ -94,13 +92,9 @@ class HAPTIC_PT_object(ObjectPanel):
             return
         draw_transmission(layout, context, obj)
         material = library_owner(context, obj)
-        if material is not None and is_editable(
-            obj
-        ):  # the library's values are shared and cannot be keyed
-            own = layout.operator(
-                "wm.context_set_string", text="Make Own, to Key It", icon="UNLINKED"
-            )
-            own.data_path = _MATERIAL
+        # The library's values are shared and cannot be keyed.
+        if material is not None and is_editable(obj):
+            _draw_make_own(layout, ui_text("Make Own, to Key It"), "UNLINKED")
         layout.prop(haptics, "function")
         if haptics.function != "physical":  # whose parameters are those of the material
             draw_parameters(layout, haptics)
@@ -201,6 +195,12 @@ def draw_wave_speed(layout: UILayout, haptics: Any, material: Any) -> None:
     layout.prop(haptics if material is None else material, "wave_speed")
 
 
+def _draw_make_own(layout: UILayout, words: str, icon: str) -> None:
+    """Draw the button that gives the active object a material of its own."""
+    button = layout.operator("wm.context_set_string", text=words, icon=icon, translate=False)
+    button.data_path = "object.haptics.material.name"
+
+
 def _draw_material(
     layout: UILayout, scene: Scene, chosen: HapticObjectMaterial, material: HapticMaterial | None
 ) -> None:
@@ -216,8 +216,7 @@ def _draw_material(
         side = row.row(align=True)
         side.alignment = "RIGHT"
         side.enabled = is_editable(chosen.id_data)
-        own = side.operator("wm.context_set_string", text=words, icon=icon, translate=False)
-        own.data_path = _MATERIAL
+        _draw_make_own(side, words, icon)
     if chosen.name and material is None:
         warn(layout, "Not in this scene's library:", "the object keeps its values")
         layout.operator("haptic.new_material", text="Add to Library", icon="ADD")

@@ -13,7 +13,7 @@ from ..live_output import player
 from ..session import session
 from ..view import meters, overlay
 
-_handlers: list[tuple[Any, Any, str]] = []
+_handlers: list[tuple[Any, str]] = []
 
 
 def _draw(what: Callable[[], None]) -> None:
@@ -27,10 +27,10 @@ def _draw_pixels() -> None:
     overlay.draw_pixels()
 
 
-_STAGES: tuple[tuple[Any, Callable[[], None], str, str], ...] = (
-    (SpaceView3D, lambda: overlay.draw_view(), "WINDOW", "POST_VIEW"),
-    (SpaceView3D, _draw_pixels, "WINDOW", "POST_PIXEL"),
-    (SpaceView3D, lambda: meters.draw_redo_panel(), "HUD", "POST_PIXEL"),
+_STAGES: tuple[tuple[Callable[[], None], str, str], ...] = (
+    (lambda: overlay.draw_view(), "WINDOW", "POST_VIEW"),
+    (_draw_pixels, "WINDOW", "POST_PIXEL"),
+    (lambda: meters.draw_redo_panel(), "HUD", "POST_PIXEL"),
 )
 
 
@@ -38,13 +38,12 @@ def register() -> None:
     """Start drawing, once."""
     if not _handlers:
         _handlers.extend(
-            (space, space.draw_handler_add(_draw, (what,), region, stage), region)
-            for space, what, region, stage in _STAGES
+            (SpaceView3D.draw_handler_add(_draw, (what,), region, stage), region)
+            for what, region, stage in _STAGES
         )
 
 
 def unregister() -> None:
     """Stop drawing."""
     while _handlers:
-        space, *handler = _handlers.pop()
-        space.draw_handler_remove(*handler)
+        SpaceView3D.draw_handler_remove(*_handlers.pop())

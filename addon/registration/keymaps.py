@@ -16,17 +16,15 @@ def register() -> None:
         return
     viewport = configuration.keymaps.new(name="3D View", space_type="VIEW_3D")
     screen = configuration.keymaps.new(name="Screen", space_type="EMPTY")
-    for keymap, operator, key, alt in (
-        (viewport, "wm.context_toggle", "T", True),
-        (viewport, "wm.call_menu_pie", "M", True),
-        (screen, "haptic.panic", "BACK_SPACE", False),
-        (screen, "haptic.toggle_preview", "H", True),
+    for keymap, operator, values, key, alt in (
+        (viewport, "wm.context_toggle", {"data_path": "scene.haptics.tracing"}, "T", True),
+        (viewport, "wm.call_menu_pie", {"name": "HAPTIC_MT_mode_pie"}, "M", True),
+        (screen, "haptic.panic", {}, "BACK_SPACE", False),
+        (screen, "haptic.toggle_preview", {}, "H", True),
     ):
         item = keymap.keymap_items.new(operator, key, "PRESS", ctrl=True, shift=True, alt=alt)
-        if operator == "wm.call_menu_pie":
-            item.properties.name = "HAPTIC_MT_mode_pie"
-        if operator == "wm.context_toggle":
-            item.properties.data_path = "scene.haptics.tracing"
+        for name, value in values.items():
+            setattr(item.properties, name, value)
         _items.append((keymap, item))
 
 

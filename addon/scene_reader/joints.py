@@ -1,4 +1,4 @@
-"""Joints of a scene: children that are keyed to turn about their origins on what carries them."""
+"""Joints of a scene: between each child whose keys only rotate it, and its parent."""
 
 from __future__ import annotations
 

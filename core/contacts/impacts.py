@@ -143,8 +143,8 @@ def impact_at(
     full_energy: float,
     estimated: bool,
 ) -> Impact:
-    """The impact of two ``objects`` at ``time`` [s] with ``energy`` [J], of which ``full_energy``
-    gives amplitude 1. ``place``: its centre (3,), normal (3,) and distance [m]."""
+    """The impact of two ``objects`` at ``time`` [s]: its amplitude is ``energy`` divided by
+    ``full_energy`` [J], at most 1. ``place``: its centre (3,), normal (3,) and distance [m]."""
     centre, normal, distance = place
     gap = normal * (distance / 2)
     (ax, ay, az), (bx, by, bz) = (centre - gap).tolist(), (centre + gap).tolist()

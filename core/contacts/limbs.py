@@ -26,7 +26,7 @@ from .settings import Body, ContactSettings
 from .shapes import Compound, ConvexHull
 
 _FRAMES = 4
-"""Poses of parts that are stored, of which all are needed."""
+"""Number of poses that are stored of each part: a blow is found from as many."""
 
 _TOUCH = 1e-4
 """Distance [m] from which on a part is away."""
@@ -183,7 +183,7 @@ class _Search:
     def _blow(
         self, part: int, turns: FloatArray, offsets: FloatArray, tolerance: FloatArray
     ) -> list[Impact]:
-        """The impact of a part, if it arrives at the other body.
+        """The impact of a part on the other body: a list of one, or of none.
 
         Args:
             part: its number.

@@ -472,11 +472,17 @@ def _jumps(first: FloatArray, chord: FloatArray, direct: FloatArray) -> BoolArra
 
 
 def _comes_to_rest(first: FloatArray, chord: FloatArray, direct: FloatArray) -> BoolArray:
-    """Which bodies (n,) brake through three intervals, by their velocities (3, n) there, and have
-    no more speed left in the end than they lose in half of the last one, without turning back."""
+    """Which bodies (n,) brake to rest through three intervals without turning back, by their
+    velocities (3, n) there."""
     one, two, three = (np.sqrt(_squared(velocity)) for velocity in (first, chord, direct))
-    brakes = (two < (1 - _STEADY) * one) & (three < (1 - _STEADY) * two) & (dot(chord, direct) >= 0)
-    return brakes & (three <= 2 * (two - three))
+    return _brakes_to_rest(one, two, three) & (dot(chord, direct) >= 0)
+
+
+def _brakes_to_rest(one: FloatArray, two: FloatArray, three: FloatArray) -> BoolArray:
+    """What (n,) brakes through three intervals, by its speeds (n,) there, and has no more left in
+    the end than it loses in half of the last one."""
+    brakes = (two < (1 - _STEADY) * one) & (three < (1 - _STEADY) * two)
+    return np.asarray(brakes & (three <= 2 * (two - three)))
 
 
 def approach(gaps: FloatArray, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -494,8 +500,7 @@ def approach(gaps: FloatArray, steps: FloatArray) -> tuple[FloatArray, FloatArra
     reaches = (root >= 0) & (begin + np.sqrt(root.clip(0)) > 0)
     after = np.where(reaches, 2 * gaps[-2] / (begin + np.sqrt(root.clip(0))).clip(1e-9), step)
     after = after.clip(0, step)
-    brakes = (two < (1 - _STEADY) * one) & (three < (1 - _STEADY) * two)
-    rests = brakes & (three <= 2 * (two - three))
+    rests = _brakes_to_rest(one, two, three)
     return np.where(rests, 0.0, begin + gain * after / step), after
 
 

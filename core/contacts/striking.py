@@ -18,13 +18,13 @@ before, requested or not."""
 
 class Striking:
     """Bounds on the energies of impacts under ``settings``, of which ``least`` is the smallest that
-    counts [J]."""
+    counts [J]; ``gravity`` (3,) in the scene's time [m/s^2]."""
 
     def __init__(self, settings: ContactSettings) -> None:
         self._settings = settings
         self.least = min(item.least_energy or 0.0 for item in settings.all_limits())
-        self._gravity = np.array(settings.gravity) * settings.time_scale**2
-        self._weight = float(np.linalg.norm(self._gravity))
+        self.gravity = np.array(settings.gravity) * settings.time_scale**2
+        self._weight = float(np.linalg.norm(self.gravity))
         self._effective = settings.energy is ImpactEnergy.EFFECTIVE
 
     def _energies(self, table: BodyTable, speed: FloatArray) -> FloatArray:
@@ -65,7 +65,7 @@ class Striking:
             return None
         if not history.moving().any():
             return None
-        paths = history.paths(~table.dynamic, airborne, self._gravity)
+        paths = history.paths(~table.dynamic, airborne, self.gravity)
         if paths is None:
             return None
         speed = paths.fastest() + np.sqrt(dot(paths.spin, paths.spin)) * table.reach

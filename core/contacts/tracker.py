@@ -485,9 +485,9 @@ class ContactTracker:
         return self._limbs.impacts(*several)
 
     def _of_weighed(self, endpoints: Endpoints | None, exact: bool) -> list[Impact]:
-        """The impacts, since the last frame, of what has the mass of its volume on what can't be
-        moved: of pairs that begin to touch, because only these are examined. ``endpoints`` and
-        ``exact`` as in `update`."""
+        """The impacts since the last frame between bodies that animation moves, with the mass of
+        their volume, and bodies that can't be moved. Only pairs that begin to touch are examined.
+        ``endpoints`` and ``exact`` as in `update`."""
         table, pairs, history = self._table, self._pairs, self._history
         strikes = pairs.one_of(table.weighed & history.moving()) & ~pairs.one_of(table.movable)
         strikes &= (table.layers[pairs.larger] & table.layers[pairs.smaller]) > 0
@@ -504,7 +504,7 @@ class ContactTracker:
         begun = rows[(pairs.touching & pairs.meet & apart)[rows]]
         paths = None
         if len(begun):
-            paths = history.paths(~table.dynamic, self._airborne, np.array(self.settings.gravity))
+            paths = history.paths(~table.dynamic, self._airborne, self._striking.gravity)
         if paths is None:
             return []
         able = self._near.key.searchsorted(pairs.key[begun])

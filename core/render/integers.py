@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from ..arrays import FloatArray
 
 FULL_SCALE = 32767
-"""Integer value of the sample 1.0: steps of 1/32767 are 90 dB below full scale, far below the
-threshold of feeling."""
+"""The integer that stands for a sample of 1.0. Steps of 1/32767 are 90 dB below full scale, far
+below the threshold of feeling."""
 
 
 def as_integers(samples: FloatArray) -> NDArray[np.int16]:

@@ -95,7 +95,7 @@ def write(export: TrackExport, folder: Path, options: Form, measured: Comparison
 
 
 def _actuator(options: Form) -> Actuator:
-    """The chosen actuator, with the chosen range."""
+    """The actuator that the options name, with the frequencies that they set instead of its own."""
     chosen = ACTUATORS[options["actuator"]]
     low = options["frequency_min"] or chosen.low
     high = options["frequency_max"] or chosen.high

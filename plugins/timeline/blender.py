@@ -1,5 +1,5 @@
-"""The lane over Timeline and Dope Sheet in Blender: how it is shown, its drawing, and the operator that
-moves one-shots in it."""
+"""The lane over Timeline and Dope Sheet in Blender: its property and draw handler, and the operator
+that moves one-shots in it."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def test_handlers_come_and_go_any_number_of_times():
         draw_handlers.unregister()
         draw_handlers.register()
         draw_handlers.register()
-        # In world space, in pixels, and with the panel Adjust Last Operation.
+        # One draws in world space, one in pixels, one beside the panel Adjust Last Operation.
         assert len(draw_handlers._handlers) == 3
 
 

@@ -93,8 +93,9 @@ def test_what_brakes_to_rest_strikes_nothing_where_no_curve_is_known(name, rate,
 
 @pytest.mark.parametrize("rate", [24, 25, 30, 60])
 def test_what_bounces_strikes_each_time_where_no_curve_is_known(rate):
-    """Within a frame, and by no more than its speed. It rises half as fast: where it touches so
-    shortly before a frame that it still does then, a frame's mean speed is known alone."""
+    """Each blow is found within a frame, with at most its true energy. The body rises at half the
+    speed: where it touches so shortly before a frame that it still touches in it, only the mean
+    speed of that frame is known."""
     for phase in range(8):
         begin = (10 + phase / 8) / rate
         found = blows(bounce, rate, begin, known=False, last=1.0)

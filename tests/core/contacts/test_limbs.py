@@ -150,7 +150,7 @@ def test_a_foot_strikes_once_a_step_while_the_other_stands():
 
 
 def test_a_kick_counts_once_with_the_masses_of_both():
-    """A foot at 3 m/s meets a ball of 0.5 kg, which then goes on before it."""
+    """A foot at 3 m/s kicks a ball of 0.5 kg, which then flies ahead of it."""
     ball, speed = Body("ball", Sphere(0.11), 0.5), 3.0
     walk = Walk(ball)
     impacts = []

@@ -22,7 +22,7 @@ def write(path):
 
 
 def browser():
-    """The window of the file browser."""
+    """The window that shows a file browser, None without one."""
     for window in bpy.context.window_manager.windows:
         if any(area.type == "FILE_BROWSER" for area in window.screen.areas):
             return window
