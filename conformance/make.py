@@ -228,7 +228,12 @@ def with_impact(exchange, height):
                 and not any(e.get("expect", {}).get("impacts") for e in exchange)
             ):
                 one["expect"]["impacts"] = [
-                    {"objects": ["ground", "crate"], "time": when, "energy": 5 * G * height}
+                    {
+                        "objects": ["ground", "crate"],
+                        "time": when,
+                        "energy": 5 * G * height,
+                        "estimated": False,
+                    }
                 ]
     return exchange
 
@@ -241,6 +246,28 @@ def axes_of_unity():
     """The fall again, in left-handed axes with y up."""
     scene = hello(floor_and_crate(), up="y", handedness="left")
     return with_impact([scene, *fall(1.5, 60, 0.9, lambda x, y, z: [x, z, y, *STILL])], 1.5)
+
+
+def set_down():
+    """A crate that something else than physics carries comes down at 1.5 m/s to the ground, and
+    stays there: poses do not tell whether it braked before, so its blow is estimated."""
+    scene = floor_and_crate(sources=[])
+    scene["objects"][1]["motion"] = "kinematic"
+    height, speed = 0.5, 1.5
+    exchange = [hello(scene)]
+    for k in range(30):
+        time = k / RATE
+        blow = {
+            "time": height / speed,
+            "objects": ["ground", "crate"],
+            "energy": 5 / 2 * speed**2,
+            "estimated": True,
+        }
+        struck = 0 <= time - height / speed < 1 / RATE
+        expected = {"type": "frame", "impacts": [blow] if struck else []}
+        sent = _at(time, max(height - speed * time, 0.0) + 0.5)
+        exchange.append({"send": sent, "expect": expected})
+    return exchange
 
 
 def slide():
@@ -270,6 +297,7 @@ def impact_of_the_engine():
             "time": 0.61,
             "energy": 50,
             "amplitude": 0.5,
+            "estimated": False,
             "gains": {"hand": gain},
         }
     ]
@@ -496,6 +524,7 @@ FILES = (
     loop,
     boxes,
     impact,
+    set_down,
     axes_of_unity,
     impact_of_the_engine,
     slide,

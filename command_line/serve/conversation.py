@@ -256,6 +256,7 @@ def frame_message(step: Step, names: Sequence[Any], convention: Convention) -> J
                 "position": convention.position_back(blow.position),
                 "energy": blow.energy,
                 "amplitude": blow.amplitude,
+                "estimated": blow.estimated,
                 "gains": blow.gains,
             }
             for blow in step.impacts

@@ -31,13 +31,15 @@ class Level:
 class Blow:
     """An impact at ``time`` [s] between two objects, with its ``position`` [m], its ``energy`` [J],
     the ``amplitude`` of its signal that follows from the energy, and the ``gains`` of the paths to
-    the listeners, by name."""
+    the listeners, by name. ``estimated``: something else than physics moves one of them, and poses
+    do not tell how it moved between them."""
 
     time: float
     objects: tuple[str, str]
     position: tuple[float, float, float]
     energy: float
     amplitude: float
+    estimated: bool
     gains: Mapping[str, float]
 
 
@@ -132,6 +134,7 @@ def _blow(
         position=impact.positions[0],
         energy=impact.energy,
         amplitude=result.sources[row].amplitude,
+        estimated=impact.estimated,
         gains=dict(
             zip((item.name for item in result.listeners), result.gains[row].tolist(), strict=True)
         ),

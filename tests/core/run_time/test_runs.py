@@ -49,6 +49,14 @@ def test_a_dropped_crate_hits_once_when_and_as_it_must(height, frame_rate):
     assert blow.gains["hand"] > 0
 
 
+@pytest.mark.parametrize("motion", ["dynamic", "kinematic"])
+def test_a_blow_of_what_physics_does_not_move_is_estimated(motion):
+    ground, crate = floor_and_crate().document["objects"]
+    run = ht.open(floor_and_crate(objects=[ground, crate | {"motion": motion}]))
+    (blow,) = [blow for step in drop(run, 0.5, 60, 1.0) for blow in step.impacts]
+    assert blow.estimated == (motion == "kinematic")
+
+
 def test_an_impact_before_time_0_is_felt():
     run = ht.open(floor_and_crate())
     steps = [
