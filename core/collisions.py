@@ -37,8 +37,6 @@ from .scene.rules import ImpactTemplates
 from .scene.values import HapticObject, Source
 from .unchanged import Unchanged
 
-"""Strategies whose gains depend on nothing beside the paths from sources to listeners."""
-
 
 @frozen
 class Collisions:
@@ -204,7 +202,7 @@ class CollisionDetector:
             rules = self._transmissions(self.settings.transmission_table, table)
             found = self._found(frame, tracker, numbering, rules, events)
             contacts = self._numbered(found.contacts, numbering, rules, frame.authored)
-            frames = numbering.frames(frame, table, contacts)
+            frames = numbering.frames(frame, contacts)
         found = replace(found, impacts=self._passed + found.impacts)
         came = replace(frame, anew=frame.anew | self._came) if self._came else frame
         self._passed, self._came = (), frozenset()
@@ -361,30 +359,42 @@ class _Numbering:
     def __init__(
         self, objects: tuple[HapticObject, ...], bodies: tuple[Body, ...], table: ObjectTable
     ) -> None:
-        self.bodies = bodies
+        self.bodies, self._table = bodies, table
         self._count = len(table.names)
         self.row = {item.name: number for number, item in enumerate(objects)}
+        self._placed = Unchanged(self._frames_of)
         index = table.index()
         self.objects: IntArray = np.array([index[body.name] for body in bodies], dtype=np.int64)
 
-    def frames(self, frame: Frame, table: ObjectTable, contacts: ContactSet) -> ObjectFrames | None:
+    def frames(self, frame: Frame, contacts: ContactSet) -> ObjectFrames | None:
         """The frames of reference of the objects that something asks for, None if nothing does:
         gains for all that touch, and the axes of listeners with an extent, as it depends on how
         they are turned where on them vibration arrives."""
         transforms = frame.transforms
         assert transforms is not None
-        frames = ObjectFrames.unknown(self._count)
+        # What touches stands still while its contacts are the same, unless they are authored.
+        moment = None if frame.authored is None else frame.time
+        frames = self._placed(contacts, moment, transforms=transforms)
         turned = [item.object for item in frame.listeners if item.radius > 0]
-        if turned:
-            index = table.index()
-            poses = transforms[[self.row[name] for name in turned]]
-            frames = frames.turned(np.array([index[name] for name in turned]), poses)
-        if not _asks_for_frames(contacts, table, self.sizes):
-            return frames if turned else None
+        if not turned:
+            return frames
+        index = self._table.index()
+        poses = transforms[[self.row[name] for name in turned]]
+        frames = frames or ObjectFrames.unknown(self._count)
+        return frames.turned(np.array([index[name] for name in turned]), poses)
+
+    def _frames_of(
+        self, contacts: ContactSet, _: float | None, transforms: FloatArray
+    ) -> ObjectFrames | None:
+        """The frames of reference of the objects that touch, None if nothing asks for them."""
+        if not _asks_for_frames(contacts, self._table, self.sizes):
+            return None
         touching = np.zeros(self._count, dtype=np.bool_)
         touching[contacts.pairs] = True
         rows = touching[self.objects].nonzero()[0]
-        return frames.placed(self.objects[rows], self.bounds[rows], transforms[rows])
+        return ObjectFrames.unknown(self._count).placed(
+            self.objects[rows], self.bounds[rows], transforms[rows]
+        )
 
     @cached_property
     def sizes(self) -> FloatArray:

@@ -14,7 +14,7 @@ _COLUMNS = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11])
 
 def columns_of(transforms: FloatArray) -> FloatArray:
     """Rigid transforms (n, 4, 4) as poses (12, n)."""
-    return transforms.reshape(-1, 16).T.take(_COLUMNS, axis=0)
+    return np.ascontiguousarray(transforms.reshape(-1, 16)[:, _COLUMNS].T)
 
 
 class BodyPoses:
