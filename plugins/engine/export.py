@@ -1,4 +1,5 @@
-"""Export for an engine: a glTF file, and the haptic scene with the same names."""
+"""Export for an engine: a glTF file, and the haptic scene and a tracer's tables with the same
+names."""
 
 from __future__ import annotations
 
@@ -16,14 +17,15 @@ from ...addon.session import session, timeline
 from ...core.formats.haptic_scene import write_export
 from ...core.formats.io.atomic import staging
 from ...core.scene.values import HapticScene, SourceKind
-from . import gltf
+from . import gltf, tables
 
 
 def write(scene: bpy.types.Scene, start: int, end: int, path: Path) -> list[Path]:
     """Write ``<path>.glb``, with everything that moves in the frames ``start`` to ``end``, and
-    ``<path>.json``, the haptic scene of the first one. Raises ValueError, with a message for the
-    user, or OSError."""
-    export = written_export(path.name, scene, _authored_scene(scene, start))
+    ``<path>.json`` and ``<path>.tracer.json``, the haptic scene of the first one and its tables.
+    Raises ValueError, with a message for the user, or OSError."""
+    authored = _authored_scene(scene, start)
+    export = written_export(path.name, scene, authored)
     with staging(path.parent) as stage:
         model = stage.folder / f"{path.name}.glb"
         gltf.origin = export.provenance
@@ -33,6 +35,7 @@ def write(scene: bpy.types.Scene, start: int, end: int, path: Path) -> list[Path
         finally:
             gltf.origin = None
         files = [model, *write_export(export, stage.folder / f"{path.name}.json")]
+        files.append(tables.write(authored, stage.folder / f"{path.name}.tracer.json"))
         stage.commit(files)
         return stage.targets(files)
 

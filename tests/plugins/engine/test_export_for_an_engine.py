@@ -93,6 +93,6 @@ def test_the_command_writes_what_the_operator_writes(add_box, scene, tmp_path):
         "export", tmp_path / "a.blend", "--to", "gltf", "--frames", "1:3", "--out", tmp_path / "out"
     )
     assert done.returncode == 0, done.stderr
-    for name in ("a.glb", "a.json"):
+    for name in ("a.glb", "a.json", "a.tracer.json"):
         assert f"wrote {tmp_path / 'out' / name}" in done.stdout
     assert (tmp_path / "out" / "a.json").read_bytes() == (tmp_path / "a.json").read_bytes()
