@@ -36,6 +36,17 @@ def offered(kind: str) -> list[Any]:
     return [item for plugin in plugins().values() for item in getattr(plugin, kind.upper(), ())]
 
 
+def modules(kind: str) -> list[ModuleType]:
+    """The modules that plug-ins name for "devices" or "players", without those that fail."""
+    found = []
+    for name in offered(kind):
+        try:
+            found.append(import_module(name))
+        except Exception as error:
+            note_failure(name, error)
+    return found
+
+
 def add(name: str, load: Callable[[], ModuleType]) -> None:
     """Add a plug-in, whatever loading it does."""
     try:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 from ..frozen import frozen
-from ..plugins import offered
+from ..plugins import modules
 from .connection import (
     Connected,
     StandInModule,
@@ -75,7 +73,7 @@ def look(
         looks.append(_sound_cards)
     if with_players:
         looks += [
-            partial(_players, find) for module in _player_modules() for find in module.SEARCHES
+            partial(_players, find) for module in modules("players") for find in module.SEARCHES
         ]
     devices: list[Found] = []
     for search in looks:
@@ -177,13 +175,8 @@ def _sound_cards() -> list[Found]:
 
 def cancel() -> None:
     """Abandon the running search for players. Thread-safe."""
-    for module in _player_modules():
+    for module in modules("players"):
         module.cancel()
-
-
-def _player_modules() -> list[ModuleType]:
-    """The modules of plug-ins that find the devices of haptic players."""
-    return [import_module(name) for name in offered("players")]
 
 
 def _players(look: Callable[[], Iterable[tuple[Profile, StandInModule]]]) -> list[Found]:

@@ -33,7 +33,7 @@ def test_a_sound_becomes_the_signal_of_a_source(sound, tmp_path, capsys):
 
 def test_the_carrier_may_be_the_pitch_or_that_of_a_device(sound, tmp_path):
     path, _ = sound
-    for carrier, burst in (("pitch", 160.0), ("switch-pro", 320.0)):
+    for carrier, burst in (("pitch", 160.0), ("xbox", 250.0)):
         assert (
             main(["convert", str(path), str(tmp_path / "signal.json"), "--carrier", carrier]) == 0
         )

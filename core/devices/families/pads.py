@@ -1,4 +1,4 @@
-"""Gamepads with two motors whose reports have a fixed layout, from `pads.json`.
+"""Gamepads with two motors whose reports have a fixed layout, from a file `pads.json`.
 
 A layout is the bytes of a report in hexadecimal, with ``sequence`` for the lower byte of the
 report's number, and ``left`` and ``right`` with the format of their amplitudes: ``8``, ``5``: the
@@ -18,8 +18,6 @@ from typing import Any
 from ...forms import Form
 from ..report import Report, Tones, Transport, percent, unsigned8, unsigned16, with_crc
 from .family import RESEND, RumbleFamily
-
-_PADS = json.loads(Path(__file__).with_name("pads.json").read_text("utf-8"))
 
 _WRITTEN: Mapping[str, Callable[[float], bytes]] = {
     "5": lambda amplitude: bytes([unsigned16(amplitude) >> 11]),
@@ -48,9 +46,10 @@ def _encode(
     return Report(with_crc(data) if form.get("crc") else data, feature=form.get("feature", False))
 
 
-def pad(name: str, **functions: Any) -> RumbleFamily:
-    """The family called ``name`` in `pads.json`; ``functions``: its further functions."""
-    row = _PADS[name]
+def pad(name: str, module: str = __file__, **functions: Any) -> RumbleFamily:
+    """The family called ``name`` in the `pads.json` beside a module (its file); ``functions``: its
+    further functions."""
+    row = json.loads(Path(module).with_name("pads.json").read_text("utf-8"))[name]
     return RumbleFamily(
         name=name,
         title=row["title"],

@@ -29,12 +29,9 @@ class FileDevice(HidDevice):
 def file_device(file, family):
     """hidapi's module with a USB device of the family."""
     vendor, product = min(family.ids)
-    usage = (0xFF00, 0x01) if family.name.startswith("steam") else (0x01, 0x05)
-    number = 2 if family.name.startswith("steam") else 3
-    return StandInModule(
-        Interface(b"file", vendor, product, "", "Pad", *usage, number, "usb"),
-        partial(FileDevice, file),
-    )
+    usages = (0x01, 0x05), (0xFF00, 0x01)
+    places = (Interface(b"file", vendor, product, "", "Pad", *usage, 2, "usb") for usage in usages)
+    return StandInModule(next(filter(family.matches, places)), partial(FileDevice, file))
 
 
 def reports_of(file):

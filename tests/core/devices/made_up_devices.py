@@ -32,6 +32,7 @@ DUALSENSE_BT = Fake(5, 0x054C, 0x0CE6, "DualSense Wireless Controller", serial="
 SWITCH_PRO_BT = Fake(5, 0x057E, 0x2009, "Pro Controller", serial="a0:ab:51:00:00:02")
 SWITCH_PRO_USB = Fake(3, 0x057E, 0x2009, "Pro Controller", number=0)
 XBOX_BT = Fake(5, 0x045E, 0x0B13, "Xbox Wireless Controller", serial="a0:ab:51:00:00:03")
+STADIA_USB = Fake(3, 0x18D1, 0x9400, "Stadia Controller", number=0)
 # 65 bytes of feature report are taken, whatever they are.
 DECK = Fake(
     3,

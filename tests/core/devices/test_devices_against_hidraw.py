@@ -1,81 +1,40 @@
 """End to end without hardware: the real ``hidraw`` module on devices that Debian's umockdev makes
 up, whose nodes keep the bytes."""
 
-import json
-import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from bounded_program import run as run_bounded
 from made_up_devices import (
-    DECK,
     DUALSENSE_BT,
     DUALSENSE_USB,
     KEYBOARD,
+    STADIA_USB,
     STRANGER,
-    SWITCH_PRO_BT,
-    SWITCH_PRO_USB,
     XBOX_BT,
     Fake,
-    describe,
 )
+from published_reports import vectors_of
+from umockdev_runs import split
 
-HERE = Path(__file__).parent
-VECTORS = {
-    vector["id"]: vector["hex"]
-    for vector in json.loads((HERE / "hid_golden.json").read_text())["vectors"]
-}
+VECTORS = {name: vector["hex"] for name, vector in vectors_of(__file__).items()}
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="umockdev and hidraw exist on Linux only"
 )
-
-
-@pytest.fixture
-def under_umockdev(tmp_path):
-    """Runs a command with the fakes connected and returns the finished process."""
-    if shutil.which("umockdev-run") is None:
-        pytest.fail("umockdev-run is not installed: on Debian and Ubuntu, apt-get install umockdev")
-
-    def run(command, *fakes):
-        return run_bounded(
-            ["umockdev-run", *describe(tmp_path, fakes), "--", sys.executable, *command]
-        )
-
-    return run
-
-
-@pytest.fixture
-def scene(under_umockdev):
-    """Runs a scene of ``umockdev_scenes.py`` and returns its answer."""
-
-    def run(name, *arguments, fakes):
-        done = under_umockdev([str(HERE / "umockdev_scenes.py"), name, *arguments], *fakes)
-        assert done.returncode == 0, done.stderr
-        return json.loads(done.stdout)
-
-    return run
-
-
-def split(captured, length):
-    data = bytes.fromhex(captured)
-    assert len(data) % length == 0
-    return [data[i : i + length].hex() for i in range(0, len(data), length)]
 
 
 def test_devices_are_found_with_their_transport_and_strangers_are_named(scene):
     keyboard = Fake(3, 0x046D, 0xC31C, "Keyboard", number=0, descriptor=KEYBOARD)
     found = scene(
         "list",
-        fakes=[DUALSENSE_USB, DUALSENSE_BT, SWITCH_PRO_BT, XBOX_BT, DECK, STRANGER, keyboard],
+        fakes=[DUALSENSE_USB, DUALSENSE_BT, STADIA_USB, XBOX_BT, STRANGER, keyboard],
     )
     assert {(device["title"], device["transport"], *device["families"]) for device in found} == {
         ("DualSense Wireless Controller", "usb", "dualsense"),
         ("DualSense Wireless Controller", "bt", "dualsense", "dualsense-pcm"),
-        ("Pro Controller", "bt", "switch-pro"),
+        ("Stadia Controller", "usb", "stadia"),
         ("Xbox Wireless Controller", "bt", "xbox"),
-        ("Steam Deck Controller", "usb", "steam-deck"),
         ("Somebody's gamepad", "usb"),
     }
 
@@ -152,51 +111,6 @@ def test_an_old_dualsense_gets_the_reports_of_its_generation(scene):
 
 
 @pytest.mark.slow
-def test_playing_on_a_switch_pro_over_usb_and_bluetooth(scene):
-    words = VECTORS["switch_kernel_l0.5_r0.25"][4:]
-    neutral = VECTORS["switch_neutral_any"][4:]
-    for fake, length, startup in ((SWITCH_PRO_USB, 64, 9), (SWITCH_PRO_BT, 49, 2)):
-        answer = scene("play", "switch-pro", "160", "320", fakes=[fake])
-        reports = split(answer["captured"], length)
-        # Nobody answers here, so that what wants an answer is said twice.
-        if fake is SWITCH_PRO_USB:
-            assert [report[:4] for report in reports[:7]] == [
-                "8002",
-                "8002",
-                "8003",
-                "8003",
-                "8002",
-                "8002",
-                "8004",
-            ]
-            assert reports.pop()[:4] == "8005"
-        else:
-            assert reports[0] == VECTORS["switch_enable_vibration_bt"]
-        assert {report[:2] + report[20:24] for report in reports[startup - 2 : startup]} == {
-            "014801"
-        }
-        rumble = reports[startup:]
-        assert all(report[:2] == "10" for report in rumble)
-        assert [int(report[2:4], 16) for report in rumble] == [
-            (startup + i) % 16 for i in range(len(rumble))
-        ]
-        assert rumble[-1][4:20] == neutral
-        assert words in [report[4:20] for report in rumble]
-        assert answer["written"] == len(reports) + (fake is SWITCH_PRO_USB)
-
-
-@pytest.mark.slow
-def test_playing_on_a_steam_deck_goes_through_feature_reports(scene):
-    keyboard = Fake(3, 0x28DE, 0x1205, "Steam Deck Controller", number=0, descriptor=KEYBOARD)
-    answer = scene("play", "steam-deck", "200", fakes=[DECK, keyboard])
-    features = [report for report, taken in answer["features"] if taken == 65]
-    assert len(features) == len(answer["features"]) == answer["written"]
-    silent = VECTORS["steamdeck_rumble_l0.5_r0.25"].replace("00800040", "00000000")
-    assert features[0] == features[-1] == silent
-    assert VECTORS["steamdeck_rumble_l0.5_r0.25"] in features
-
-
-@pytest.mark.slow
 def test_the_watchdog_silences_the_real_device(scene):
     reports = split(scene("watchdog", "dualsense", fakes=[DUALSENSE_USB])["captured"], 48)
     assert VECTORS["dualsense_usb_v2_l0.5_r0.25"] in reports
@@ -253,12 +167,12 @@ COMMAND = [
 
 
 def test_the_command_lists_devices_and_names_what_it_can_not_drive(under_umockdev):
-    done = under_umockdev(COMMAND, DUALSENSE_BT, SWITCH_PRO_USB, STRANGER)
+    done = under_umockdev(COMMAND, DUALSENSE_BT, STADIA_USB, STRANGER)
     assert done.returncode == 0 and done.stderr == ""
     assert sorted(done.stdout.splitlines()) == [
         "dualsense, dualsense-pcm\tDualSense Wireless Controller\tbt\t054c:0ce6\ta0:ab:51:00:00:01",
         "not supported\tSomebody's gamepad\tusb\t1234:abcd",
-        "switch-pro\tPro Controller\tusb\t057e:2009",
+        "stadia\tStadia Controller\tusb\t18d1:9400",
     ]
     assert under_umockdev(COMMAND).stdout == "no haptic device is connected\n"
 

@@ -125,6 +125,7 @@ def test_the_end_of_the_guard_is_silence_and_the_device_plays_again(program, end
     assert any(data[3] or data[4] for _, data in reports_of(file)[before:])
 
 
+@pytest.mark.plugins
 def test_a_stream_of_3_9_ms_gets_its_reports_in_time(program):
     """A timer of 15.6 ms would send four at a time, and three of four gaps would be none. What
     another program or a host holds up comes late and at once, so the median is compared."""

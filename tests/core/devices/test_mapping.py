@@ -1,5 +1,7 @@
 """Listeners to actuators: by body part, by choice, and every loss named."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from haptic_tracing.core.devices.mapping import Loss, Place, map_listeners
@@ -8,6 +10,7 @@ from haptic_tracing.core.message import Cause, Message, sentence
 from haptic_tracing.core.scene.body import BODY_PARTS, DEFAULT_LISTENERS
 from hypothesis import given
 from hypothesis import strategies as st
+from two_tones import TWO_TONES
 
 PROFILES = load_profiles()[0]
 DEFAULT = {part: part for part in DEFAULT_LISTENERS}
@@ -30,8 +33,8 @@ def test_the_twelve_default_listeners_on_a_dualsense():
 
 def test_what_each_kind_of_device_loses():
     hand = {"hand.L": "hand.L"}
-    assert causes(map_listeners(hand, {"a": profile("switch-pro")}), "hand.L") == []
-    assert causes(map_listeners(hand, {"a": profile("steam-controller-pcm")}), "hand.L") == []
+    assert causes(map_listeners(hand, {"a": TWO_TONES}), "hand.L") == []
+    assert causes(map_listeners(hand, {"a": profile("dualsense-pcm")}), "hand.L") == []
     assert causes(map_listeners(hand, {"a": profile("dualsense")}), "hand.L") == [
         Cause.STRENGTH_ONLY
     ]
@@ -54,18 +57,21 @@ def test_what_each_kind_of_device_loses():
     ],
 )
 def test_frequencies_that_an_actuator_can_not_play_are_named(band, cause):
+    narrow = tuple(replace(actuator, band=(150, 300)) for actuator in TWO_TONES.actuators)
     mapping = map_listeners(
-        {"seat": "hand.L"}, {"deck": profile("steam-deck")}, bands={"seat": band}
+        {"seat": "hand.L"}, {"pad": replace(TWO_TONES, actuators=narrow)}, bands={"seat": band}
     )
     messages = [loss.message for loss in mapping.losses if "BAND" in loss.message.cause.name]
     limits = {"low": band[0], "high": band[1], "lowest": 150, "highest": 300}
-    place = {"actuator": "left trackpad", "device": "Steam Deck"}
+    place = {"actuator": "left grip", "device": "Pad of two tones"}
     assert messages == ([Message.of(cause, **limits, **place)] if cause else [])
 
 
 def test_a_choice_overrides_the_body_part_and_no_choice_mutes():
-    devices = {"one": profile("dualsense"), "two": profile("joycon-left")}
-    chosen = {"seat": [Place("one", "right grip"), Place("two", "actuator")], "hand.L": []}
+    (actuator,) = profile("xbox").actuators
+    left = replace(profile("xbox"), actuators=(replace(actuator, body_parts=("hand.L",)),))
+    devices = {"one": profile("dualsense"), "two": left}
+    chosen = {"seat": [Place("one", "right grip"), Place("two", "both motors")], "hand.L": []}
     mapping = map_listeners(
         {"seat": "", "hand.L": "hand.L", "hand.R": "hand.R", "lost": ""}, devices, chosen=chosen
     )

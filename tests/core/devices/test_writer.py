@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fake_hid import RELEASE, ZERO, FakeHid, FakePad, sounding, until
-from haptic_tracing.core.devices.connection import DeviceError, connected, hid_module, open_device
+from haptic_tracing.core.devices.connection import DeviceError, hid_module, open_device
 from haptic_tracing.core.devices.families.registry import family
 from haptic_tracing.core.devices.profile_files import profile
 from haptic_tracing.core.devices.profiles import Adjustment, Calibration
@@ -300,33 +300,6 @@ def test_two_outputs_share_two_devices_and_a_third_is_told(started):
     assert until(lambda: first.status.state == second.status.state == "open")
     third = started(hid)
     assert until(lambda: third.status.message == "DualSense is already in use here")
-
-
-def test_of_interfaces_alike_the_one_that_emits_input_is_opened():
-    pads = [
-        FakePad(f"/dev/{i}".encode(), vendor=0x28DE, product=0x1205, number=i, usage=(0xFF00, 1))
-        for i in range(3)
-    ]
-    pads[1].input = [1, 2, 3]
-    hid = FakeHid(*pads)
-    assert len(connected(hid)) == 1 and len(connected(hid)[0].interfaces) == 3
-    opened = open_device(hid, family("steam-deck"))
-    assert opened.interface.path == b"/dev/1"
-    opened.close()
-    assert all(pad.opened == pad.closed for pad in pads)
-
-
-def test_the_grips_two_interfaces_are_two_joycons():
-    left, right = (
-        FakePad(f"/dev/{side}".encode(), 0x057E, 0x200E, number)
-        for side, number in (("left", 1), ("right", 0))
-    )
-    hid = FakeHid(left, right)
-    for name, path in (("joycon-left", b"/dev/left"), ("joycon-right", b"/dev/right")):
-        opened = open_device(hid, family(name))
-        assert opened.interface.path == path
-        opened.close()
-    assert {device.families[0].name for device in connected(hid)} == {"joycon-left", "joycon-right"}
 
 
 def test_a_module_of_the_same_name_from_another_package_is_refused(tmp_path):

@@ -12,9 +12,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..report import Report, Transport
-from .family import Interface, StreamFamily, is_vendor_defined
-from .pads import pad
+from ...core.devices.families.family import AnyFamily, Interface, StreamFamily, is_vendor_defined
+from ...core.devices.families.pads import pad
+from ...core.devices.report import Report, Transport
 
 VALVE = 0x28DE
 WIRED = 0x1302
@@ -46,7 +46,7 @@ def _not_keyboard_or_mouse(interface: Interface) -> bool:
     return (interface.usage_page, interface.usage) not in (_KEYBOARD, _MOUSE)
 
 
-STEAM_DECK = pad("steam-deck", picks=_not_keyboard_or_mouse, probe_input=True)
+STEAM_DECK = pad("steam-deck", __file__, picks=_not_keyboard_or_mouse, probe_input=True)
 
 
 def _carries_a_controller(interface: Interface) -> bool:
@@ -56,7 +56,7 @@ def _carries_a_controller(interface: Interface) -> bool:
     )
 
 
-STEAM_CONTROLLER = pad("steam-controller", picks=_carries_a_controller, probe_input=True)
+STEAM_CONTROLLER = pad("steam-controller", __file__, picks=_carries_a_controller, probe_input=True)
 
 STEAM_CONTROLLER_PCM = StreamFamily(
     name="steam-controller-pcm",
@@ -71,3 +71,5 @@ STEAM_CONTROLLER_PCM = StreamFamily(
     frames=FRAMES,
     encode=_encode_samples,
 )
+
+FAMILIES: tuple[AnyFamily, ...] = STEAM_DECK, STEAM_CONTROLLER, STEAM_CONTROLLER_PCM

@@ -10,8 +10,14 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-from ..report import Report, Tones, Transport, checked_amplitude
-from .family import HidDevice, Interface, RumbleFamily, answer_of, is_gamepad
+from ...core.devices.families.family import (
+    HidDevice,
+    Interface,
+    RumbleFamily,
+    answer_of,
+    is_gamepad,
+)
+from ...core.devices.report import Report, Tones, Transport, checked_amplitude
 
 NINTENDO = 0x057E
 PRO, LEFT, RIGHT, GRIP = 0x2009, 0x2006, 0x2007, 0x200E
@@ -169,3 +175,4 @@ def _family(
 SWITCH_PRO = _family("switch-pro", "Switch Pro Controller", (PRO,), is_gamepad)
 JOYCON_LEFT = _family("joycon-left", "Joy-Con (L)", (LEFT, GRIP), partial(_in_grip, 1))
 JOYCON_RIGHT = _family("joycon-right", "Joy-Con (R)", (RIGHT, GRIP), partial(_in_grip, 0))
+FAMILIES = SWITCH_PRO, JOYCON_LEFT, JOYCON_RIGHT

@@ -1,5 +1,5 @@
-"""Pads that are asked whether they can rumble, as SDL does: those of 8BitDo, and those that speak
-SInput (HandheldLegend and others)."""
+"""Luna and SHIELD pads, and pads that are asked whether they can rumble, as SDL does: those of
+8BitDo, and those that speak SInput (HandheldLegend and others)."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 
-from ..report import Report
-from .family import HidDevice, Interface, answer_of
-from .pads import pad
+from ...core.devices.families.family import HidDevice, Interface, answer_of
+from ...core.devices.families.pads import pad
+from ...core.devices.report import Report
 
 _ULTIMATE_2_WIRELESS, _ULTIMATE_3 = 0x6012, 0x202F
 # Reading this feature report switches to the firmware's extended protocol; the Ultimate 3 has
@@ -51,7 +51,7 @@ def _feature(device: HidDevice, report: int) -> list[int]:
     return []
 
 
-EIGHTBITDO = pad("8bitdo", prepare=_prepare_8bitdo)
+EIGHTBITDO = pad("8bitdo", __file__, prepare=_prepare_8bitdo)
 
 _ANSWER, _FEATURES = 0x02, 0x02
 _ASK_FEATURES = Report(bytes([0x03, _FEATURES]).ljust(48, b"\0"))
@@ -75,4 +75,10 @@ def _describes_features(report: bytes) -> bool:
     return len(report) > _CAPABILITIES and report[:2] == bytes([_ANSWER, _FEATURES])
 
 
-SINPUT = pad("sinput", prepare=_prepare_sinput)
+SINPUT = pad("sinput", __file__, prepare=_prepare_sinput)
+
+FAMILIES = (
+    *(pad(name, __file__) for name in ("luna", "shield-2017", "shield-2015")),
+    EIGHTBITDO,
+    SINPUT,
+)

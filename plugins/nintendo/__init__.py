@@ -1,0 +1,3 @@
+"""Nintendo's Switch Pro Controller and Joy-Con."""
+
+DEVICES = (f"{__name__}.switch",)

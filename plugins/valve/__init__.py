@@ -1,0 +1,3 @@
+"""Valve's Steam Deck and Steam Controller."""
+
+DEVICES = (f"{__name__}.steam",)
