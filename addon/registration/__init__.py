@@ -9,8 +9,9 @@ from ...core import plugins as found
 from .. import translations
 from . import classes, draw_handlers, handlers, keymaps, menus, plugins, properties
 
-_PARTS = (properties, classes, plugins, menus, draw_handlers, handlers, keymaps, translations)
-"""Each with `register` and `unregister`, in the order of registration."""
+_PARTS = (properties, classes, draw_handlers, plugins, menus, handlers, keymaps, translations)
+"""Each with `register` and `unregister`, in the order of registration; what plug-ins draw is over
+the rest."""
 
 _registered = False
 

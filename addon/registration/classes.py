@@ -11,7 +11,6 @@ from ..operators import (
     body_kit,
     design,
     exporting,
-    gizmos,
     importing,
     live_output,
     materials,
@@ -43,7 +42,7 @@ from .properties import classes_of
 
 CLASSES = (
     *classes_of(
-        *(preferences, job, tagging, adding, tracing, design, gizmos),
+        *(preferences, job, tagging, adding, tracing, design),
         *(materials, body_kit, rules),
     ),
     *classes_of(

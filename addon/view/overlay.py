@@ -26,7 +26,7 @@ from ..blender.units import metres_per_unit
 from ..changes.events import file_changed
 from ..session import sessions
 from ..session.derived import Derived
-from . import inspection, meters, shader, touching_shape
+from . import meters, shader, touching_shape
 from .annotations import LegendSide, placed_annotations
 from .cues import cues_of
 from .layout import (
@@ -202,7 +202,8 @@ def from_metres(scene: Scene) -> Matrix:
     return Matrix.Scale(1 / metres_per_unit(scene), 4)
 
 
-def _is_shown(context: Context) -> bool:
+def is_shown(context: Context) -> bool:
+    """Whether a viewport shows the graph."""
     scene, space = context.scene, context.space_data
     return (
         scene is not None
@@ -216,7 +217,7 @@ def draw_view() -> None:
     """Draw callback: the graph, in world space."""
     context = bpy.context
     scene = context.scene
-    if not _is_shown(context):
+    if not is_shown(context):
         return
     region, view = context.region, context.region_data
     drawing = drawing_of(scene)
@@ -238,7 +239,7 @@ def draw_pixels() -> None:
     """Draw callback: labels and legend of the graph, over it."""
     context = bpy.context
     # `draw_view` has just drawn it.
-    drawing = _drawings.get(context.scene.session_uid) if _is_shown(context) else None
+    drawing = _drawings.get(context.scene.session_uid) if is_shown(context) else None
     if drawing is None:
         return
     region, scene = context.region, context.scene
@@ -257,7 +258,6 @@ def draw_pixels() -> None:
         cues_of(context, np.array(seen), free) if scene.haptics.show_best_paths else (),
         tuple((level.listener, level.title, level.words()) for level in levels_of(scene)),
     )
-    inspection.draw(context)
 
 
 def _legend_side(context: Context) -> LegendSide:

@@ -22,7 +22,7 @@ def steps(window):
     scene.objects["Shaker"].haptics.source.enabled = True
     scene.objects["hand.R"].haptics.listener.enabled = True
     sessions = window.module("addon.session.sessions")
-    inspection = window.module("addon.view.inspection")
+    inspection = window.module("plugins.gizmos.inspection")
     yield from window.wait_until(
         lambda: sessions.shown(scene) is not None and sessions.shown(scene).result.gains.size > 0
     )

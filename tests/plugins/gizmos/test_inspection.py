@@ -1,5 +1,4 @@
-"""What is under the mouse in the overlay, against the scene's own functions and SciPy-free geometry,
-and the result as a table."""
+"""What is under the mouse in the overlay, against the scene's own functions and SciPy-free geometry."""
 
 import math
 
@@ -7,8 +6,8 @@ import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import sessions
-from haptic_tracing.addon.view import inspection, table
 from haptic_tracing.core.message import Metres, written
+from haptic_tracing.plugins.gizmos import inspection
 
 ALPHA = {"left": 0.5, "right": 2.0}
 NEPER = 20 / math.log(10)
@@ -61,17 +60,3 @@ def test_distances_to_segments_against_dense_sampling():
     assert inspection.distances_to(place, ends) == pytest.approx(dense.min(axis=0), abs=1e-3)
     ends[3, 1] = np.nan
     assert np.isnan(inspection.distances_to(place, ends)[3])
-
-
-def test_the_table_is_sorted(pair, add_box, add_empty, traced, settle):
-    fan = add_empty("fan", (0.0, 0, 0), bpy.data.objects["left"])
-    fan.haptics.source.enabled, fan.haptics.source.amplitude = True, 0.01
-    alone = add_box("alone", (9, 0, 0), (1, 1, 1))
-    alone.haptics.listener.enabled = True
-    traced()
-    names = lambda: [(row.listener, row.source) for row in settle(lambda: table.rows(pair))]  # noqa: E731
-    assert names() == [("alone", ""), ("hand", "drill"), ("hand", "fan")]
-    pair.haptics.meters.sort_table = "gain"
-    assert names() == [("hand", "fan"), ("hand", "drill"), ("alone", "")], "nearer, not louder"
-    pair.haptics.meters.sort_table = "source"
-    assert names() == [("alone", ""), ("hand", "drill"), ("hand", "fan")]

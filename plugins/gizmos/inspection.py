@@ -10,22 +10,22 @@ from typing import NamedTuple
 import numpy as np
 from bpy.types import Context
 
+from ...addon.blender.units import metres_per_unit
+from ...addon.blender.words import ui_text
+from ...addon.changes.events import file_changed
+from ...addon.session.derived import Derived
+from ...addon.session.sessions import Traced
+from ...addon.view import meters
+from ...addon.view.hud import FAINT_INK, INK, PLATE, HudBuilder, overlaps
+from ...addon.view.label_placement import project
+from ...addon.view.layout import pixels_per_point
+from ...addon.view.levels import change_words
+from ...addon.view.screen import Recent, draw_flat, in_theme, uploaded
+from ...addon.view.watched import levels_of
 from ...core.arrays import FloatArray
 from ...core.diagnosis.connections import connections
 from ...core.message import Metres, written
 from ...core.scene.values import Listener, Source
-from ..blender.units import metres_per_unit
-from ..blender.words import ui_text
-from ..changes.events import file_changed
-from ..session.derived import Derived
-from ..session.sessions import Traced
-from . import meters
-from .hud import FAINT_INK, INK, PLATE, HudBuilder, overlaps
-from .label_placement import project
-from .layout import pixels_per_point
-from .levels import change_words
-from .screen import Recent, draw_flat, in_theme, uploaded
-from .watched import levels_of
 
 _REACH = 9.0  # points around a connection
 _PADDING, _ROW = 8.0, 16.0  # points

@@ -7,13 +7,16 @@ import math
 from typing import Any
 
 import bpy
-from bpy.types import Context, Gizmo, GizmoGroup
+from bpy.types import Context, Gizmo, GizmoGroup, SpaceView3D
 from mathutils import Matrix
 
-from ..blender.polling import is_editable
-from ..blender.units import metres_per_unit
-from ..session import sessions
-from ..view import inspection, meters
+from ...addon.blender.polling import is_editable
+from ...addon.blender.units import metres_per_unit
+from ...addon.gateway import StandIn, is_loaded
+from ...addon.session import sessions
+from ...addon.view import meters, overlay
+
+inspection = StandIn(f"{__package__}.inspection")
 
 _ROLES = (
     ("source", "amplitude", (0.95, 0.42, 0.24), -0.5),
@@ -142,3 +145,25 @@ class HAPTIC_GGT_inspection(GizmoGroup):
 
     def setup(self, context: Context) -> None:
         self.gizmos.new("HAPTIC_GT_inspection")
+
+
+CLASSES = (HAPTIC_GGT_extents, HAPTIC_GT_inspection, HAPTIC_GGT_inspection)
+
+
+def _draw() -> None:
+    """Over the overlay's labels."""
+    context = bpy.context
+    if is_loaded(inspection) and overlay.is_shown(context) and sessions.shown(context.scene):
+        inspection.draw(context)
+
+
+_drawing: list[Any] = []
+
+
+def register() -> None:
+    _drawing.append(SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL"))
+
+
+def unregister() -> None:
+    while _drawing:
+        SpaceView3D.draw_handler_remove(_drawing.pop(), "WINDOW")

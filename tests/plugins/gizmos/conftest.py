@@ -1,0 +1,3 @@
+"""Fixtures in Blender."""
+
+from in_blender import *  # noqa: F403
