@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from functools import cache
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -38,12 +39,14 @@ def ranges(first: IntArray, size: IntArray) -> IntArray:
     return np.asarray(np.arange(size.sum()) + (first - size.cumsum() + size).repeat(size))
 
 
-def portions(size: IntArray, most: int) -> list[IntArray]:
-    """Indices of items of these sizes (n,) in order, divided into groups whose sizes add up to
-    about ``most``."""
-    if size.sum() < most:
-        return [np.arange(len(size))]
-    return np.split(np.arange(len(size)), np.flatnonzero(np.diff(size.cumsum() // most)) + 1)
+def portions(ends: IntArray, most: int) -> list[slice]:
+    """Items in order, divided into groups whose sizes add up to about ``most``; the sizes of the
+    first to the k-th item add up to ``ends[k]``."""
+    total = int(ends[-1]) if len(ends) else 0
+    if total <= most:
+        return [slice(0, len(ends))]
+    cuts = ends.searchsorted(np.arange(most, total, most), side="right")
+    return [slice(*cut) for cut in pairwise([0, *sorted({*cuts.tolist()} - {0}), len(ends)])]
 
 
 def among(numbers: IntArray, ordered: IntArray) -> BoolArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import BoolArray, IntArray, ranges
+from ..arrays import BoolArray, IntArray
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from .paths import Paths
@@ -33,7 +33,7 @@ def best_paths(graph: HapticGraph, wanted: BoolArray, limit: float = LIMIT) -> B
         return found
     more, _ = _searched(graph, weak, False, limit)
     return BestPaths(
-        _in_order([found.paths, more.paths]),
+        Paths.joined([found.paths, more.paths]),
         max(found.visited, more.visited),
         found.examined + more.examined,
     )
@@ -53,8 +53,8 @@ def _searched(
     row, column = pairs.T
     ends = np.array([(source.nodes[0], source.nodes[-1]) for source in graph.sources])
     band = np.array([source.band if by_band else 0 for source in graph.sources])
-    _, from_listeners = np.unique(band[row] * len(graph.listeners) + column, return_inverse=True)
-    _, from_sources = np.unique(row, return_inverse=True)
+    from_listeners = _numbered(band[row] * len(graph.listeners) + column)
+    from_sources = _numbered(row)
     backwards = bool(from_sources.max() > from_listeners.max())
     tree = from_listeners if backwards else from_sources
     first = np.zeros(tree.max() + 1, dtype=np.int64)
@@ -84,7 +84,14 @@ def _searched(
         found.append(_walked(graph, trees, pairs[here], own, node, backwards))
         visited = max(visited, int((trees.entry >= 0).sum(axis=1).max()))
         examined += trees.examined
-    return BestPaths(_in_order(found), visited, examined), np.concatenate(weak)
+    return BestPaths(Paths.joined(found), visited, examined), np.concatenate(weak)
+
+
+def _numbered(values: IntArray) -> IntArray:
+    """The number of each of these ``values`` (n,), from 0 on, among those that occur."""
+    occurs = np.zeros(values.max() + 1, dtype=np.bool_)
+    occurs[values] = True
+    return np.asarray((occurs.cumsum() - 1)[values])
 
 
 def _targets(tree: IntArray, target: IntArray) -> list[IntArray]:
@@ -114,15 +121,3 @@ def _walked(
     nodes = np.stack(steps if backwards else steps[::-1], axis=1)
     inside = nodes >= 0
     return Paths(pairs, nodes[inside], inside.sum(axis=1).cumsum())
-
-
-def _in_order(parts: list[Paths]) -> Paths:
-    """The paths of all ``parts``, sorted by their pairs."""
-    if len(parts) == 1:
-        return parts[0]
-    pairs = np.concatenate([part.pairs for part in parts])
-    size = np.concatenate([np.diff(part.ends, prepend=0) for part in parts])
-    nodes = np.concatenate([part.nodes for part in parts])
-    order = np.lexsort(pairs.T[::-1])
-    begins = size.cumsum() - size
-    return Paths(pairs[order], nodes[ranges(begins[order], size[order])], size[order].cumsum())

@@ -33,7 +33,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, ranges
+from ..arrays import BoolArray, FloatArray, IntArray, portions, ranges
 from ..frozen import frozen
 from ..graph.haptic_graph import HapticGraph
 from .spacing import spacing
@@ -42,8 +42,11 @@ LIMIT = math.log(1e6)
 """Cost at which the search ends: -120 dB."""
 
 BATCH = 1 << 15
-"""Connections examined in one step: enough to outweigh its overhead, few enough that later entries
-gain from earlier ones."""
+"""Connections examined at a time: enough to outweigh the overhead, few enough that later entries
+gain from earlier ones, and that arrays stay in the cache."""
+
+PER_ENTRY = 4
+"""Connections that take as long as going through an entry that stays pending."""
 
 TINY = 2000
 """With up to so many connections in all rows the heap is faster from the beginning."""
@@ -107,16 +110,22 @@ def shortest_paths(
             search.one_by_one(*pending)
             break
         now, later = search.cheapest(*pending)
-        if len(now[0]) == 0:
-            break
-        reached = search.inside(*now)
-        pending = search.across(*reached, later)
+        pending = _merged([later, *(search.across(*search.inside(*part)) for part in now)])
         steps += 1
     return search.result()
 
 
 Entries = tuple[IntArray, IntArray, FloatArray]
 """Row, node and cost (k,) of entries: an object is entered through the node at that cost."""
+
+
+def _merged(parts: Sequence[Entries]) -> Entries:
+    """The entries of all parts."""
+    several = [part for part in parts if len(part[0])]
+    if len(several) < 2:
+        return (several or parts)[0]
+    row, node, cost = (np.concatenate(values) for values in zip(*several, strict=True))
+    return row, node, cost
 
 
 class _Search:
@@ -174,9 +183,11 @@ class _Search:
         reach = self.graph.reach
         return apart if reach is None else np.maximum(apart - (reach[begin] + reach[other]), 0.0)
 
-    def cheapest(self, row: IntArray, node: IntArray, cost: FloatArray) -> tuple[Entries, Entries]:
-        """The cheapest of the pending entries, as many as a step examines, and the others. Those
-        that improve nothing drop out."""
+    def cheapest(
+        self, row: IntArray, node: IntArray, cost: FloatArray
+    ) -> tuple[list[Entries], Entries]:
+        """The cheapest of the pending entries, as many as a step examines, in portions, and the
+        others. Those that improve nothing drop out."""
         graph = self.graph
         place = row * self.count + node
         base = cost + self.loss[self.lane[row] * self.count + node]
@@ -192,15 +203,20 @@ class _Search:
             kept = self._improving(row, node, base[kept])
             row, node, cost = row[kept], node[kept], cost[kept]
             work = self.size[node].cumsum()
-        if len(work) == 0 or work[-1] <= BATCH:
-            return (row, node, cost), (row[:0], node[:0], cost[:0])
-        order = np.lexsort((node, row, cost))
-        work = self.size[node[order]].cumsum()
+        later = row[:0], node[:0], cost[:0]
+        if len(work) == 0:
+            return [], later
         # More than are pending, or going through these each time would take longer than the steps.
-        most = max(BATCH, 2 * len(order))
-        count = max(1, int(work.searchsorted(most, side="right")))
-        now, later = order[:count], order[count:]
-        return (row[now], node[now], cost[now]), (row[later], node[later], cost[later])
+        most = max(BATCH, PER_ENTRY * len(work))
+        if work[-1] > most:
+            order = cost.argsort(kind="stable")
+            row, node, cost = row[order], node[order], cost[order]
+            work = self.size[node].cumsum()
+            count = max(1, int(work.searchsorted(most, side="right")))
+            later = row[count:], node[count:], cost[count:]
+            work = work[:count]
+        now = [(row[part], node[part], cost[part]) for part in portions(work, BATCH)]
+        return now, later
 
     def _improving(self, row: IntArray, node: IntArray, base: FloatArray) -> IntArray:
         """Numbers of those entries that may lower costs in their object, given by row, node, and
@@ -336,8 +352,8 @@ class _Search:
             self.arrival[part], self.entry[part] = arrival, entry
             self.cut[number] |= cut
 
-    def across(self, row: IntArray, node: IntArray, cost: FloatArray, later: Entries) -> Entries:
-        """Go on from nodes over their contacts. Returns the new entries beside the pending ones."""
+    def across(self, row: IntArray, node: IntArray, cost: FloatArray) -> Entries:
+        """Go on from nodes over their contacts. Returns the new entries."""
         # No more than what each target costs now is of interest. Many are asked more rarely.
         if self.sought is not None and self.examined >= self.due:
             self.due = self.examined + len(self.sought)
@@ -352,10 +368,6 @@ class _Search:
         go = ((cost <= self.limits[row]) & (cost < self.entering[place])).nonzero()[0]
         row, node, cost = row[go], node[go], cost[go]
         self.entering[place[go]] = cost
-        if len(later[0]) == 0:
-            return row, node, cost
-        merged = zip(later, (row, node, cost), strict=True)
-        row, node, cost = (np.concatenate(both) for both in merged)
         return row, node, cost
 
     def result(self) -> ShortestPaths:

@@ -70,7 +70,8 @@ def propagate(graph: HapticGraph, settings: Settings, sounding_only: bool = Fals
     bands = delay = None
     if band_cost is not None:
         bands = np.zeros((*shape, BAND_COUNT))
-        bands[places] = np.exp(-cost[:, None] - band_cost)
+        band_cost += cost[:, None]
+        bands[places] = np.exp(np.negative(band_cost, out=band_cost), out=band_cost)
     if late is not None:
         delay = np.zeros(shape)
         delay[places] = late

@@ -272,7 +272,7 @@ def _triangles_in_hulls(
             alike.setdefault(hull, []).append(k)
     for hull, numbers in alike.items():
         rows = np.array(numbers)
-        for part in portions(np.full(len(rows), len(hull.triangles)), _AT_ONCE):
+        for part in portions(len(hull.triangles) * np.arange(1, len(rows) + 1), _AT_ONCE):
             yield hull, rows[part]
 
 

@@ -398,11 +398,12 @@ def _in_boxes(
     for begin, size in zip(*(numbers.tolist() for numbers in runs(group)), strict=True):
         others = counts[group[begin]].nonzero()[0]
         bottom, top = low[:, None, others], high[:, None, others]
-        for part in portions(np.full(size, len(others)), _AT_ONCE):
-            box = boxes[:, :, begin + part, None]
+        rows = np.arange(begin, begin + size)
+        for part in portions(len(others) * (rows - begin + 1), _AT_ONCE):
+            box = boxes[:, :, rows[part], None]
             met = ((bottom <= box[1]) & (top >= box[0])).all(axis=0)
             row, place = met.nonzero()
-            found.append(np.stack([begin + part[row], others[place]]))
+            found.append(np.stack([rows[part][row], others[place]]))
     of, member = np.concatenate(found, axis=1)
     return of, member
 
