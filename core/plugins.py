@@ -32,12 +32,13 @@ def plugins() -> dict[str, ModuleType]:
 
 
 def offered(kind: str) -> list[Any]:
-    """What the plug-ins offer of a kind: "formats", "devices", "players" or "exports"."""
+    """What the plug-ins offer of a kind: "formats", "devices", "drivers", "players", "exports"."""
     return [item for plugin in plugins().values() for item in getattr(plugin, kind.upper(), ())]
 
 
 def modules(kind: str) -> list[ModuleType]:
-    """The modules that plug-ins name for "devices" or "players", without those that fail."""
+    """The modules that plug-ins name for "devices", "drivers" or "players", without those that
+    fail."""
     found = []
     for name in offered(kind):
         try:

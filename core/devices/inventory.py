@@ -1,4 +1,5 @@
-"""Search for all supported devices: HID devices, sound cards and haptic players."""
+"""Search for all supported devices: HID devices, those of other drivers, sound cards and haptic
+players."""
 
 from __future__ import annotations
 
@@ -6,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import ModuleType
 
 from ..frozen import frozen
 from ..plugins import modules
@@ -17,15 +19,14 @@ from .connection import (
     missing_permission,
     udev_rule,
 )
-from .families.family import Interface
-from .force_feedback import ForceFeedbackModule, event_nodes, force_feedback_profile
 from .guard import DeviceOutput
 from .mapping import ActuatedDevice
 from .profile_files import load_profiles
 from .profiles import Adjustment, Profile
 from .sound_card import sound_cards, sound_module
 
-_BUS = {"usb": "USB", "bt": "Bluetooth"}
+BUS = {"usb": "USB", "bt": "Bluetooth"}
+"""Names of transports."""
 
 
 @frozen
@@ -67,7 +68,10 @@ def look(
     gamepads: list[Connected] = []
     looks: list[Callable[[], Sequence[Found]]] = [
         partial(_hid_devices, tuple(profiles.values()), gamepads),
-        partial(_force_feedback, tuple(profiles.values()), gamepads),
+        *(
+            partial(_driven_otherwise, driver, tuple(profiles.values()), gamepads)
+            for driver in modules("drivers")
+        ),
     ]
     if with_sound_cards:
         looks.append(_sound_cards)
@@ -106,42 +110,17 @@ def _hid_devices(profiles: Sequence[Profile], gamepads: list[Connected]) -> list
     ]
 
 
-def _force_feedback(profiles: Sequence[Profile], gamepads: Sequence[Connected]) -> list[Found]:
-    """Devices driven by the kernel's force feedback, without those that are driven as HID devices
-    (``gamepads``)."""
+def _driven_otherwise(
+    driver: ModuleType, profiles: Sequence[Profile], gamepads: Sequence[Connected]
+) -> list[Found]:
+    """The devices of a driver other than hidapi; ``gamepads`` are all HID gamepads."""
     drivable = [
         device
         for device in gamepads
         if _matching(profiles, device) and not all(map(missing_permission, device.interfaces))
     ]
-    return [
-        _event_device(node)
-        for node in event_nodes()
-        if missing_permission(node) is None
-        and not any(_is_same(node, device.first) for device in drivable)
-    ]
-
-
-def _is_same(node: Interface, pad: Interface) -> bool:
-    """Whether an event device and a HID interface belong to the same pad by their serial
-    numbers."""
-    alike = (node.vendor, node.product) == (pad.vendor, pad.product)
-    return alike and (
-        not node.serial or not pad.serial or node.serial.lower() == pad.serial.lower()
-    )
-
-
-def _event_device(node: Interface) -> Found:
-    profile = force_feedback_profile(node)
-    module = ForceFeedbackModule(node)
-    key = " ".join(filter(None, ("force-feedback", node.title, node.serial)))
-    return Found(
-        key,
-        profile.title,
-        f"{_BUS[node.transport]}, kernel",
-        profile,
-        partial(DeviceOutput, profile, hid=module),
-    )
+    found: list[Found] = driver.devices(drivable)
+    return found
 
 
 def _hid_device(profile: Profile, device: Connected) -> Found:
@@ -152,7 +131,7 @@ def _hid_device(profile: Profile, device: Connected) -> Found:
     return Found(
         key=" ".join(filter(None, (profile.name, device.first.serial))),
         title=profile.title,
-        kind=_BUS[device.first.transport] + (", experimental" if profile.experimental else ""),
+        kind=BUS[device.first.transport] + (", experimental" if profile.experimental else ""),
         device=profile,
         open=partial(DeviceOutput, profile, serial=device.first.serial),
         permission=problem,

@@ -16,10 +16,9 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from .connection import StandInModule
-from .families.family import HidDevice, Interface, RumbleFamily, any_interface
-from .profiles import Actuator, Calibration, DriveChannel, Profile
-from .report import Report, Tones, Transport, unsigned16
+from ...core.devices.connection import StandInModule
+from ...core.devices.families.family import HidDevice, Interface, RumbleFamily, any_interface
+from ...core.devices.report import Report, Tones, Transport, unsigned16
 
 _SYSTEM = Path("/sys/class/input")
 _RUMBLE_BIT = 0x50
@@ -135,30 +134,3 @@ FORCE_FEEDBACK = RumbleFamily(
     picks=any_interface,
     encode=_encode,
 )
-
-
-def force_feedback_profile(node: Interface) -> Profile:
-    """The profile of such a gamepad: a strong, slow motor and a weak, fast one, which shake the
-    whole pad."""
-    channels = DriveChannel("left", (10.0, 100.0)), DriveChannel("right", (100.0, 1000.0))
-    actuator = Actuator(
-        "both motors",
-        ("hand.L", "hand.R"),
-        "ERM",
-        (30.0, 250.0),
-        0.06,
-        1.0,
-        channels,
-        Calibration(),
-    )
-    return Profile(
-        "force-feedback",
-        node.title or FORCE_FEEDBACK.title,
-        FORCE_FEEDBACK,
-        False,
-        None,
-        50.0,
-        0.7,
-        10.0,
-        (actuator,),
-    )

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 from bounded_program import run as run_bounded
-from haptic_tracing.core.devices.force_feedback import event_nodes
+from haptic_tracing.plugins.force_feedback.kernel import event_nodes
 from kernel_input import describe_pad
 from made_up_devices import DUALSENSE_BT, XBOX_BT, describe
 
-HERE = Path(__file__).parent
+SCENES = Path(__file__).parents[2] / "core" / "devices" / "umockdev_scenes.py"
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="force feedback is Linux's"
 )
@@ -35,7 +35,7 @@ def scene(tmp_path):
         command += [
             "--",
             sys.executable,
-            str(HERE / "umockdev_scenes.py"),
+            str(SCENES),
             "force_feedback",
             ending,
         ]

@@ -1,0 +1,3 @@
+"""Gamepads that the Linux kernel drives."""
+
+DRIVERS = (f"{__name__}.search",)
