@@ -25,6 +25,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import unicodedata
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -106,8 +107,24 @@ def preset_named(name: str) -> Material | None:
     return MATERIALS.get(stem) or _TITLES.get(stem)
 
 
-_WORDS = {word: material for material in MATERIALS.values() for word in material.words}
-_THINGS = {word: material for material in MATERIALS.values() for word in material.things}
+def _folded(text: str) -> str:
+    """Without case and accents, however they are encoded: file names may have them apart."""
+    return "".join(
+        mark
+        for mark in unicodedata.normalize("NFKD", text.casefold())
+        if not unicodedata.combining(mark)
+    )
+
+
+_WORDS = {_folded(word): material for material in MATERIALS.values() for word in material.words}
+_THINGS = {_folded(word): material for material in MATERIALS.values() for word in material.things}
+_PARTS = {
+    _folded(part): MATERIALS[name]
+    for name, row in TABLE.items()
+    for part in row.get("parts", "").split()
+}
+"""Words that tell a material at either end of a longer one, as languages join them: "Holztisch"."""
+
 _ENDINGS = ("", "s", "es", "en", "y", "ic", "ed")
 
 
@@ -121,8 +138,8 @@ _DESIGNATIONS = tuple(
 @lru_cache(maxsize=1024)
 def named_in(text: str) -> Material | None:
     """The material suggested by an object's name: by a standard's designation in it ("S235_zinc",
-    "PA66-GF30"), else by a material ("Oak Bench.001", "rustyMetal_2"), else by the kind of object
-    ("Anvil").
+    "PA66-GF30"), else by a material ("Oak Bench.001", "rustyMetal_2"), else by a part of a word
+    ("Holztisch"), else by the kind of object ("Anvil").
 
     Of several designations the first counts, which is that of the base, of several words the last
     ("Glass Table"); None without any.
@@ -131,15 +148,33 @@ def named_in(text: str) -> Material | None:
     found = [(place.start(), material) for place, material in places if place is not None]
     if found:
         return min(found, key=lambda item: item[0])[1]
-    words = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", text).lower())
-    for known in (_WORDS, _THINGS):
-        for word in reversed(words):
-            for ending in _ENDINGS:
-                stem = word.removesuffix(ending)
-                # "Tiny" is not of tin.
-                is_same = len(stem) > 3 or ending in ("", "s", "en")
-                if word.endswith(ending) and is_same and stem in known:
-                    return known[stem]
+    apart = _folded(re.sub(r"(?<=[a-zäöüß])(?=[A-ZÄÖÜ])", " ", text))
+    words = re.findall(r"[^\W\d_]+", apart)[::-1]
+    return _in_any_form(words, _WORDS) or _with_part(words) or _in_any_form(words, _THINGS)
+
+
+def _in_any_form(words: Iterable[str], known: Mapping[str, Material]) -> Material | None:
+    """The material of the first word that is known, in any form of it."""
+    for word in words:
+        for ending in _ENDINGS:
+            stem = word.removesuffix(ending)
+            # "Tiny" is not of tin.
+            is_same = len(stem) > 3 or ending in ("", "s", "en")
+            if word.endswith(ending) and is_same and stem in known:
+                return known[stem]
+    return None
+
+
+def _with_part(words: Iterable[str]) -> Material | None:
+    """The material of the longest part of the first word that has one."""
+    for word in words:
+        parts = [
+            part
+            for part in _PARTS
+            if word.startswith(part) or word.endswith((part, part + "s", part + "n"))
+        ]
+        if parts:
+            return _PARTS[max(parts, key=len)]
     return None
 
 

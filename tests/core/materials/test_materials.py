@@ -2,6 +2,7 @@
 shapes and masses."""
 
 import math
+import unicodedata
 
 import pytest
 from haptic_tracing.core.scene.functions import HapticTracing, Spectrum
@@ -60,7 +61,7 @@ def test_absorption_is_that_of_a_lossy_plane_wave():
 @pytest.mark.parametrize(
     ("name", "material"),
     [
-        ("Oak Bench.001", "hardwood"), ("rusty_metal_2", "steel"), ("WoodenCrate", "softwood"), ("Steinmauer", None), ("Stein", "stone"),
+        ("Oak Bench.001", "hardwood"), ("rusty_metal_2", "steel"), ("WoodenCrate", "softwood"), ("Steinmauer", "stone"), ("Stein", "stone"),
         ("Ground", "soil"), ("Cube", None), ("Airplane", None), ("Metallic", "steel"), ("GLASS", "glass"), ("Character_Body", "flesh"),
         ("", None),
         ("Floor", "concrete"), ("Wooden Floor", "softwood"), ("Floorboards", "softwood"), ("Fußboden", "concrete"),
@@ -112,6 +113,12 @@ def test_anything_may_be_guessed_at(names, size, mass):
         ("C24 GL24h BSH Timber", "softwood"),  # EN 338, EN 14080
         ("EPS XPS styrofoam", "foam"),
         ("GKB Plasterboard", "plaster"),
+        # JIS G 3101, G 4303, G 4051, GB/T 700, EN 10365, DIN 17100
+        ("SS400 SUS304 S45C Q235B HEB200 IPE_300 V2A St37", "steel"),
+        ("EN_AW-6082 A6061-T6 AL7075 ADC12 Alublech", "aluminium"),  # EN 573, JIS H 5302
+        ("PVC-U PE100 CarbonFibre Makrolon", "plastic"),  # ISO 1043-1, EN 12201
+        ("ESG_8mm VSG Floatglas", "glass"),  # EN 12150, EN 14449
+        ("MDF_19mm Sperrholz_Birke Particle_Board", "plywood"),  # EN 316, EN 313, EN 309
     ],
 )  # fmt: skip
 def test_designations_of_standards_and_trade_names_are_known(names, material):
@@ -126,4 +133,32 @@ def test_designations_of_standards_and_trade_names_are_known(names, material):
     ["Tiny", "Part 304", "Render 2024", "GRP_Part", "C10", "hips", "Group UP", "Version 5.6"],
 )
 def test_numbers_and_other_words_are_no_designations(name):
+    assert named_in(name) is None
+
+
+@pytest.mark.parametrize(
+    ("names", "material"),
+    [
+        ("Stahlträger Cortenstahl STEELPLATE acier Acciaio acero staal 不锈钢 金属", "steel"),
+        ("Kupferrohr cuivre latón 真鍮", "brass"),
+        ("Holztisch woodfloor bois legno madera hout 木材", "softwood"),
+        ("Eichenholz cherry_wood WoodOak chêne quercia roble", "hardwood"),
+        ("Betonwand Sichtbeton béton calcestruzzo hormigón 混凝土", "concrete"),
+        ("Glasscheibe verre vetro vidrio ガラス", "glass"),
+        ("Gummimatte caoutchouc gomma goma ゴム", "rubber"),
+        ("Kunststoffgehäuse plastique plástico プラスチック", "plastic"),
+        ("Steinmauer Cobblestone pierre pietra piedra mármol", "stone"),
+        ("Backsteinwand brickwall brique mattone ladrillo", "brick"),
+    ],
+)  # fmt: skip
+def test_words_of_other_languages_and_in_longer_words_are_known(names, material):
+    """As imports name materials; macOS writes letters and accents apart in names of files."""
+    for name in names.split():
+        for text in (name, f"{name}_01", f"MI_{name}", unicodedata.normalize("NFD", name)):
+            found = named_in(text)
+            assert found is not None and found.name == material, text
+
+
+@pytest.mark.parametrize("name", ["Leader", "Rocket", "Sandwich", "Goldfish", "Arena"])
+def test_other_words_have_no_parts_that_tell(name):
     assert named_in(name) is None
