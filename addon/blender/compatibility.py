@@ -50,13 +50,18 @@ def animated_paths(datablock: Any) -> tuple[str, ...] | None:
 
 def is_animated(datablock: Any, paths: Collection[str]) -> bool:
     """Whether an action, drivers or strips of the NLA may animate one of the data paths."""
+    curves = chain(fcurves_of(datablock), driving_curves(datablock))
+    return any(curve.data_path in paths for curve in curves)
+
+
+def driving_curves(datablock: Any) -> list[Any]:
+    """The F-curves that animate the datablock through drivers and strips of the NLA."""
     data = datablock.animation_data
     if data is None:
-        return False
+        return []
     strips = chain.from_iterable(nla_strips(track) for track in data.nla_tracks)
-    of_strips = (curve for strip in strips if strip.action for curve in fcurves_in(strip.action))
-    curves = chain(fcurves_of(datablock), data.drivers, of_strips)
-    return any(curve.data_path in paths for curve in curves)
+    of_strips = (fcurves_in(strip.action) for strip in strips if strip.action)
+    return [*data.drivers, *chain.from_iterable(of_strips)]
 
 
 def nla_strips(owner: Any) -> Iterator[Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from bpy.types import Action, Collection, Depsgraph, Mesh, Object, Scene
+from bpy.types import Action, Armature, Collection, Depsgraph, Mesh, Object, Scene
 
 from ...core.frozen import frozen
 from ..blender.arrays import read_array
@@ -19,7 +19,7 @@ class Evaluation:
         objects: that were evaluated, by session id.
         edited: session ids of the meshes, and of the objects whose geometry or rigid body may have
             changed, with the compounds that they are parts of.
-        joints: whether a rigid body constraint or a curve may have changed.
+        joints: whether a joint may have changed, or a rigid body constraint.
         names_all: whether nothing else has changed, and no object has come or gone.
     """
 
@@ -34,7 +34,7 @@ class Evaluation:
         being named."""
         objects: dict[int, Object] = {}
         edited: set[int] = set()
-        joints = moved = False
+        joints = False
         of_frame = names_all  # which names the actions that it plays, too
         updates = depsgraph.updates
         kinds = ("is_updated_geometry", "is_updated_transform")
@@ -44,20 +44,20 @@ class Evaluation:
             changed = evaluated and evaluated.original
             if isinstance(changed, Object):
                 objects[changed.session_uid] = changed
-                if changed.rigid_body_constraint is not None:
-                    joints |= not is_moved
-                    moved = True
+                if changed.rigid_body_constraint:
+                    joints |= not (is_moved and of_frame)
+                elif not of_frame and (changed.parent or changed.pose):
+                    joints = True
                 if is_reshaped:
                     edited |= _with_compounds(changed)
                 elif not is_moved:  # animation may have hidden it
                     names_all = False
             elif isinstance(changed, Mesh) and is_reshaped:
                 edited.add(changed.session_uid)
-            elif isinstance(changed, Action):
+            elif isinstance(changed, (Action, Armature)):
                 joints |= not of_frame
             elif isinstance(changed, (Scene, Collection)):
                 names_all = False
-        joints |= moved and not names_all
         return cls(objects, frozenset(edited), joints, names_all)
 
 

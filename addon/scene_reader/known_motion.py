@@ -46,7 +46,7 @@ def known_motion(
     count = 8 * max(2, int(np.ceil(seconds / _STEP / 8)))
     parts = np.arange(-2, count + 1) / count
     frames = (since + parts * (frame - since)) / stretching(scene)
-    curves = _Curves(frames)
+    curves = Curves(frames)
     metres = metres_per_unit(scene)
     found = {}
     for row in rows.tolist():
@@ -99,12 +99,18 @@ def _striking(known: FloatArray, now: Reading, last: frozenset[str]) -> FloatArr
     return rows[meets.all(axis=2).sum(axis=1) > 1]  # each meets itself
 
 
+def is_simulated(obj: Object) -> bool:
+    """Whether an object is where a simulation takes it."""
+    body = obj.rigid_body
+    return body is not None and body.type == "ACTIVE" and not body.kinematic
+
+
 _EXACT = 1e-7
 """Difference, relative to the largest value, up to which a polynomial is a curve: that of single
 precision."""
 
 
-class _Curves:
+class Curves:
     """World matrices at ``frames`` (k,), each computed once; None of what something else than
     curves may move."""
 
@@ -115,17 +121,22 @@ class _Curves:
 
     def world(self, obj: Object) -> FloatArray | None:
         """World matrices (k, 4, 4) of an object."""
-        if obj.name_full not in self._worlds:
-            self._worlds[obj.name_full] = None  # of what follows itself
-            self._worlds[obj.name_full] = self._world(obj)
+        line = [obj]
+        while line[-1].parent is not None and line[-1].name_full not in self._worlds:
+            line.append(line[-1].parent)
+        for each in reversed(line):
+            if each.name_full not in self._worlds:
+                self._worlds[each.name_full] = self._world(each)
         return self._worlds[obj.name_full]
 
+    def _is_told(self, obj: Object) -> bool:
+        """Whether curves tell where an object is on its parent."""
+        return not (is_simulated(obj) or any(not item.mute for item in obj.constraints))
+
     def _world(self, obj: Object) -> FloatArray | None:
-        body = obj.rigid_body
-        simulated = body is not None and body.type == "ACTIVE" and not body.kinematic
-        if simulated or any(not item.mute for item in obj.constraints):
+        if not self._is_told(obj):
             return None
-        local = self._basis(obj, obj, "")
+        local = self.basis(obj, obj, "")
         parent = obj.parent
         if parent is None:
             return local
@@ -156,10 +167,10 @@ class _Curves:
             if above is not None:
                 rest = np.linalg.inv(np.array(above.bone.matrix_local)) @ rest
             path = f'pose.bones["{part.name}"].'
-            found = rest @ self._basis(rig, part, path) @ found
+            found = rest @ self.basis(rig, part, path) @ found
         return found
 
-    def _basis(self, owner: Object, item: Any, path: str) -> FloatArray:
+    def basis(self, owner: Object, item: Any, path: str) -> FloatArray:
         """Local matrices (k, 4, 4) of an object or a bone ``item``, whose curves the ``owner`` has
         under ``path``."""
 

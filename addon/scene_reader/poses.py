@@ -92,22 +92,24 @@ def _moved(
 
 def _carried(objects: list[Object]) -> dict[int, int]:
     """By number of a tagged object that of the one that carries it. Below an untagged root, as
-    imports have it, the first tagged one carries the others."""
+    imports have it, or a bone, the first tagged one carries the others."""
     numbers = {obj.session_uid: number for number, obj in enumerate(objects)}
-    leaders = dict(numbers)
+    leaders = {(uid, ""): number for uid, number in numbers.items()}
     carried = {}
     for number, obj in enumerate(objects):
         above = _tagged_above(obj, numbers)
-        leader = number if above is None else leaders.setdefault(above.session_uid, number)
+        leader = number if above is None else leaders.setdefault(above, number)
         if leader != number:
             carried[number] = leader
     return carried
 
 
-def _tagged_above(obj: Object, tagged: Container[int]) -> Object | None:
-    """The nearest ancestor of an object whose session id is in ``tagged``; without one, its topmost
-    ancestor."""
-    above = obj.parent
-    while above is not None and above.session_uid not in tagged and above.parent is not None:
-        above = above.parent
-    return above
+def _tagged_above(obj: Object, tagged: Container[int]) -> tuple[int, str] | None:
+    """The session id of the nearest ancestor of an object, with the name of its bone if the object
+    is on one, that has a bone or is ``tagged``; without one, its topmost ancestor."""
+    found = None
+    while obj.parent is not None and (found is None or (found[0] not in tagged and not found[1])):
+        bone = obj.parent_bone if obj.parent_type == "BONE" else ""
+        obj = obj.parent
+        found = obj.session_uid, bone
+    return found

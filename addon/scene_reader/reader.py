@@ -126,6 +126,8 @@ class SceneReader:
         """
         frame = scene.frame_current if frame is None else frame
         changes = self._changes(depsgraph, exact or frame - self._frame not in (0, 1), evaluation)
+        if changes.exact:  # a frame's evaluation does not tell edits of joints from animation
+            self._settings.forget_rules()
         lists = self._read_whole(changes) if changes.is_whole else self._follow(changes)
         self._finish(scene, frame, lists)
         return self._reading(scene, frame, lists)

@@ -111,7 +111,10 @@ def recheck_shapes() -> None:
 
 def note(depsgraph: Depsgraph, names_all: bool = False) -> Evaluation:
     """Make every scene compare what an evaluation may have changed at its next reading; see
-    `Evaluation.of`."""
+    `Evaluation.of`. Of a frame that is set again, scripts may have edited anything."""
+    shown = known(depsgraph.scene)
+    if shown is not None and shown.last is not None:
+        names_all &= shown.last[0] != depsgraph.scene.frame_current
     evaluation = Evaluation.of(depsgraph, names_all)
     for session in sessions.every():
         session.reader.note(evaluation)

@@ -389,6 +389,7 @@ def test_a_keyed_link_conducts_at_its_joint(scene, add_box, add_empty, through_e
     for frame in (1, 7, 20):
         scene.frame_set(frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        (contact,) = session.trace(scene, depsgraph).contacts.positions
-        pivot = np.array(elbow.matrix_world.translation)
-        assert np.abs(contact - pivot).max() < 0.006
+        contacts = session.trace(scene, depsgraph).contacts
+        beside = contacts.positions[0] - np.array(elbow.matrix_world.translation)
+        expected = contacts.depth[0] / 2
+        np.testing.assert_allclose(np.linalg.norm(beside, axis=1), expected, atol=1e-5)
