@@ -111,7 +111,7 @@ class _Tables:
             **parts,
             "functions": [form for _, form in self._functions.values()],
             "impacts": [form for _, form in self._impacts.values()],
-            "signals": [sampled(signal, RATE, self.lanes) for signal in self._signals],
+            "signals": [self._sampled(signal) for signal in self._signals],
         }
 
     def _uses_bands(self) -> bool:
@@ -248,11 +248,15 @@ class _Tables:
             "amplitude": source.amplitude,
             "once": source.triggers is not None,
             "signal": self._signal(source.emitted),
-            "lane": 1 + leading_band(source) if self.lanes > 1 else 0,
         }
 
     def _signal(self, signal: Signal) -> int:
         return self._signals.setdefault(signal, len(self._signals))
+
+    def _sampled(self, signal: Signal) -> JsonObject:
+        source = Source("signal", "object", signal=signal)
+        lane = 1 + leading_band(source) if self.lanes > 1 else 0
+        return {"lane": lane, **sampled(signal, RATE, self.lanes)}
 
     def _local(self, name: str, position: Sequence[float]) -> list[float]:
         """A place in the world in the space of an object."""

@@ -1,0 +1,64 @@
+// Plays a script of steps to the tracer and prints what comes back, a line of JSON for each step.
+//     mcs -out:judge.exe HapticTracer.cs Judge.cs && mono judge.exe < script
+
+using System;
+using System.Collections.Generic;
+using System.Globalization;
+using System.IO;
+using System.Linq;
+using HapticTracer;
+
+static class Judge
+{
+    static void Main()
+    {
+        Tracer tracer = null;
+        for (string line; (line = Console.ReadLine()) != null;)
+        {
+            var words = line.Split(' ');
+            if (words[0] == "read")
+            {
+                tracer = Tracer.Read(File.ReadAllText(line.Substring(5)));
+                continue;
+            }
+            var n = words.Skip(1).Select(word => double.Parse(word, CultureInfo.InvariantCulture)).ToArray();
+            int first = n.Length > 0 ? (int)n[0] : 0, second = n.Length > 1 ? (int)n[1] : 0;
+            switch (words[0])
+            {
+                case "move": tracer.Objects[first].Move(n[1], n[2], n[3], n[4], n[5], n[6], n[7]); break;
+                case "touch": tracer.Touch(first, second, At(n, 2), At(n, 5), At(n, 8), n[11], n[12], n[13], n[14]); break;
+                case "part": tracer.PartAll(); break;
+                case "amplitude": tracer.Sources[first].Amplitude = n[1]; break;
+                case "source": tracer.Sources[first].Position = tracer.Objects[tracer.Sources[first].On].ToLocal(At(n, 1)); break;
+                case "listener": tracer.Listeners[first].Position = tracer.Objects[tracer.Listeners[first].On].ToLocal(At(n, 1)); break;
+                case "play": tracer.Play(tracer.Sources[first]); break;
+                case "blow": tracer.Blow(first, second, At(n, 2), n[5], n[6]); break;
+                case "step":
+                    tracer.Step(n[0]);
+                    Console.WriteLine(Answer(tracer));
+                    break;
+            }
+        }
+    }
+
+    static Vector At(double[] numbers, int place) { return new Vector(numbers[place], numbers[place + 1], numbers[place + 2]); }
+
+    static string Answer(Tracer tracer)
+    {
+        var listeners = Enumerable.Range(0, tracer.Listeners.Count).ToArray();
+        var levels = listeners.Select(l => Text(tracer.Level(l)));
+        return "{\"levels\":" + Row(levels) + ",\"count\":" + tracer.Count
+            + ",\"sources\":" + Row(tracer.Sources.Select(source => Heard(source, listeners)))
+            + ",\"blows\":" + Row(tracer.Blows.Select(source => Heard(source, listeners))) + "}";
+    }
+
+    static string Heard(Source source, int[] listeners)
+    {
+        return "{\"amplitude\":" + Text(source.Amplitude) + ",\"gains\":" + Row(listeners.Select(l => Text(source.Gain(l))))
+            + ",\"delays\":" + Row(source.Later.Select(Text)) + ",\"lanes\":" + Row(source.Gains.Select(Text)) + ",\"paths\":" + Row(source.Paths.Select(path => Row(path.Select(number => number.ToString())))) + "}";
+    }
+
+    static string Row(IEnumerable<string> parts) { return "[" + string.Join(",", parts) + "]"; }
+
+    static string Text(double value) { return double.IsNaN(value) ? "null" : value.ToString("R", CultureInfo.InvariantCulture); }
+}
