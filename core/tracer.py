@@ -16,6 +16,7 @@ from .contacts.settings import ContactSettings
 from .events.frame import Frame
 from .graph.haptic_graph import ObjectTable, build_graph
 from .propagation import propagate
+from .propagation.best_path import Kept
 from .propagation.reuse import Inputs, Propagated
 from .render.arrival import arriving
 from .render.frame_result import FrameResult, Sounding
@@ -41,6 +42,7 @@ class Tracer:
         self.collisions = CollisionDetector(contact_settings or ContactSettings(), lazy, paths)
         self._table = Unchanged(ObjectTable.of)
         self._propagated: Propagated | None = None
+        self._trees: Kept = {}
         self._mixdown = Mixdown(sample_rate)
         self._time: float | None = None
         self._start = 0.0  # of the last frame
@@ -136,7 +138,7 @@ class Tracer:
             )
             watch.lap("graph")
             known = self._propagated = Propagated(
-                inputs, graph, propagate(graph, inputs.settings, sounding_only=True)
+                inputs, graph, propagate(graph, inputs.settings, True, self._trees)
             )
         else:
             watch.lap("graph")

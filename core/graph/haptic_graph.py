@@ -11,11 +11,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from enum import IntEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arrays import FloatArray, IntArray, differing, with_rows
 from ..contacts.authored import ARRAYS, rows_of
@@ -33,15 +31,6 @@ from .object_frames import ObjectFrames
 
 if TYPE_CHECKING:
     import networkx
-
-
-class NodeKind(IntEnum):
-    CONTACT = 0
-    SOURCE = 1
-    LISTENER = 2
-
-
-_KINDS = np.array(NodeKind, dtype=np.int8)
 
 
 class NoGain(ValueError):
@@ -312,7 +301,6 @@ class HapticGraph:
         start: (o + 1,) nodes are sorted by object; those of object k are ``start[k] : start[k +
             1]``.
         node_object: (n,) object of each node.
-        node_kind: (n,) a `NodeKind`.
         node_position: (n, 3) [m, world].
         partner: (n,) the node at the other end of its inter-connection, or -1.
         contact: (n,) number of its contact, or -1.
@@ -321,7 +309,6 @@ class HapticGraph:
         transmission_loss: (c, 2) cost ``-log(gain)``, at least 0, of each inter-connection,
             including the contact's weight: from the object of the lower number into the other, and
             back.
-        weight: (c,) the contact's weight: 1, falling to 0 as the objects separate.
         contact_band_gains: (c, 2, bands) in the same two directions, or None.
         contact_delay: (c,) [s], or None.
         sources, listeners: by name, with their nodes.
@@ -338,13 +325,11 @@ class HapticGraph:
     table: ObjectTable
     start: IntArray
     node_object: IntArray
-    node_kind: NDArray[np.int8]
     node_position: FloatArray
     partner: IntArray
     contact: IntArray
     side: IntArray
     transmission_loss: FloatArray
-    weight: FloatArray
     contact_band_gains: FloatArray | None
     contact_delay: FloatArray | None
     sources: tuple[SourceNodes, ...]
@@ -415,20 +400,6 @@ class HapticGraph:
         """The nodes of object ``index``."""
         return slice(int(self.start[index]), int(self.start[index + 1]))
 
-    def size_around(self, nodes: IntArray) -> IntArray:
-        """The number of nodes of the object of each of some nodes."""
-        index = self.node_object[nodes]
-        return np.asarray(self.start[index + 1] - self.start[index])
-
-    def nodes_of_contacts(self) -> IntArray:
-        """The two nodes of each contact (c, 2), that of the lower number first."""
-        first = np.flatnonzero(self.partner > np.arange(self.node_count))
-        contact = self.contact.take(first)
-        nodes = np.empty((self.contact_count, 2), dtype=np.int64)
-        nodes[contact, 0] = first
-        nodes[contact, 1] = self.partner.take(first)
-        return nodes
-
     def node_distances(self, a: IntArray, b: IntArray) -> FloatArray:
         """Distances in metres between nodes ``a[i]`` and ``b[i]``, from the nearest point of a
         listener's volume."""
@@ -458,11 +429,13 @@ class HapticGraph:
         import networkx
 
         graph = networkx.DiGraph()
+        kinds = {node: "source" for source in self.sources for node in source.nodes}
+        kinds |= dict.fromkeys(self.listener_nodes.tolist(), "listener")
         for node in range(self.node_count):
             graph.add_node(
                 node,
                 object=self.table.names[self.node_object[node]],
-                kind=NodeKind(self.node_kind[node]).name.lower(),
+                kind=kinds.get(node, "contact"),
                 position=tuple(self.node_position[node].tolist()),
             )
         for index in range(len(self.table.names)):
@@ -616,10 +589,6 @@ def build_graph(
     known = known if known is not None and known.conducted.is_like(contacts, on) else None
     order = _Order.fresh(table, contacts, on) if known is None else _Order.after(known, contacts)
     ordered, rank, node_position = order.contacts, order.rank, order.node_position
-    node_kind = np.empty(len(rank), dtype=np.int8)
-    node_kind[rank] = _KINDS.repeat(
-        [2 * count, len(source_entries), len(ends) - len(source_entries)]
-    )
     for number, nodes in enumerate((rank[:count], rank[count : 2 * count])):
         node_position[:, nodes[order.changed]] = ordered.positions[order.changed, number].T
     node_position[:, rank[2 * count :]] = (
@@ -644,13 +613,11 @@ def build_graph(
         table=table,
         start=order.start,
         node_object=order.node_object,
-        node_kind=node_kind,
         node_position=node_position.T,  # each coordinate contiguous
         partner=order.partner,
         contact=order.contact,
         side=order.side,
         transmission_loss=loss,
-        weight=ordered.weight,
         contact_band_gains=band_gains,
         contact_delay=own.delay,
         sources=_source_nodes(

@@ -13,6 +13,9 @@ from .shortest_paths import LIMIT, ShortestPaths, shortest_paths
 COSTS_AT_ONCE = 1 << 22
 """Most pairs of a root and a node whose costs are in memory at a time."""
 
+Kept = dict[bool, ShortestPaths]
+"""The trees of the last graph, by bands and plain ones."""
+
 
 @frozen
 class BestPaths:
@@ -24,14 +27,17 @@ class BestPaths:
     examined: int = 0
 
 
-def best_paths(graph: HapticGraph, wanted: BoolArray, limit: float = LIMIT) -> BestPaths:
+def best_paths(
+    graph: HapticGraph, wanted: BoolArray, limit: float = LIMIT, kept: Kept | None = None
+) -> BestPaths:
     """The best paths of the ``wanted`` (s, l) pairs of a source and a listener, by the gains of
     each source's leading band, or by the plain ones where that band does not arrive; pairs without
     a path of at most the cost ``limit`` are left out."""
-    found, weak = _searched(graph, np.argwhere(wanted), True, limit)
+    kept = {} if kept is None else kept
+    found, weak = _searched(graph, np.argwhere(wanted), True, limit, kept)
     if not graph.uses_bands or len(weak) == 0:
         return found
-    more, _ = _searched(graph, weak, False, limit)
+    more, _ = _searched(graph, weak, False, limit, kept)
     return BestPaths(
         Paths.joined([found.paths, more.paths]),
         max(found.visited, more.visited),
@@ -40,7 +46,7 @@ def best_paths(graph: HapticGraph, wanted: BoolArray, limit: float = LIMIT) -> B
 
 
 def _searched(
-    graph: HapticGraph, pairs: IntArray, by_band: bool, limit: float
+    graph: HapticGraph, pairs: IntArray, by_band: bool, limit: float, kept: Kept
 ) -> tuple[BestPaths, IntArray]:
     """The best paths of ``pairs`` (p, 2), and those pairs of which the limit may have ended all
     paths.
@@ -68,13 +74,14 @@ def _searched(
         here = ((tree >= begin) & (tree < begin + at_once)).nonzero()[0]
         mine = first[begin : begin + at_once]
         own, goal = tree[here] - begin, target[here]
-        trees = shortest_paths(
+        trees = kept[by_band] = shortest_paths(
             graph,
             [sorted(set(nodes)) for nodes in start[mine].tolist()],
             band[row[mine]].tolist() if by_band else None,
             _targets(own, goal),
             backwards,
             limit,
+            kept.get(by_band),
         )
         nearest = trees.cost[own[:, None], goal].argmin(axis=1)
         node = goal[np.arange(len(goal)), nearest]

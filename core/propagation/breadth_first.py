@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import FloatArray, IntArray, ranges
 from ..frozen import frozen
-from ..graph.haptic_graph import HapticGraph, NodeKind
+from ..graph.haptic_graph import HapticGraph
 from .connections import intra_lanes
 
 BUDGET = 1_000_000
@@ -59,10 +59,13 @@ def sums_over_paths(
     entry = np.array(roots, dtype=np.int64)
     value = np.ones((len(entry), lanes))
     crossed = np.empty((len(entry), 0), dtype=np.int64)
+    heard = np.zeros(graph.node_count, dtype=np.bool_)
+    heard[graph.listener_nodes] = True
     limited = ended = False
     connections = 0
     while len(entry):
-        size = graph.size_around(entry)
+        index = graph.node_object[entry]
+        size = graph.start[index + 1] - graph.start[index]
         spent = size.cumsum()
         if spent[-1] > budget:
             limited = ended = True
@@ -75,7 +78,7 @@ def sums_over_paths(
         onwards = np.where(
             graph.contact[other] >= 0,
             (crossed[which] != graph.contact[other][:, None]).all(axis=1),
-            graph.node_kind[other] == NodeKind.LISTENER,
+            heard[other],
         )
         chosen = (onwards & (other != entry[which])).nonzero()[0]
         which, other = which[chosen], other[chosen]

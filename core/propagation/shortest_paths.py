@@ -23,6 +23,10 @@ that of a node as near as the nearest one is too long, x drops out.
 
 Where few connections are examined at a time, as along a chain, a heap of entries is faster than
 arrays.
+
+Where some bodies move and all else stands still, paths that cross none of their contacts cost what
+they did, and stay the best if no way through these contacts makes any other node nearer: then the
+trees of an earlier graph are those of this one.
 """
 
 from __future__ import annotations
@@ -70,12 +74,14 @@ class ShortestPaths:
             -1.
         cut: (r,) whether the limit has ended some path.
         examined: number of connections examined.
+        search: what found them.
     """
 
     cost: FloatArray
     entry: IntArray
     cut: BoolArray
     examined: int
+    search: _Search
 
 
 def shortest_paths(
@@ -85,6 +91,7 @@ def shortest_paths(
     targets: Sequence[IntArray] | None = None,
     backwards: bool = False,
     limit: float = LIMIT,
+    known: ShortestPaths | None = None,
 ) -> ShortestPaths:
     """Shortest-path trees from each set of roots.
 
@@ -97,10 +104,15 @@ def shortest_paths(
         backwards: paths lead from the nodes to the roots, which matters where a contact's two
             directions differ.
         limit: largest cost of a path.
+        known: those of an earlier graph, which are returned if their paths to the targets are
+            surely the shortest still.
     """
-    row = np.array([r for r, nodes in enumerate(roots) for _ in nodes], dtype=np.int64)
-    node = np.array([n for nodes in roots for n in nodes], dtype=np.int64)
-    search = _Search(graph, len(roots), bands, targets, backwards, limit)
+    asked = roots, bands, targets, backwards, limit
+    is_worth_it = known is not None and known.examined >= BATCH
+    if known is not None and is_worth_it and _Search(graph, *asked).agrees(known.search):
+        return known
+    search = _Search(graph, *asked)
+    row, node = search.roots
     pending = row, node, np.zeros(len(node))
     connections = int((search.size - 1).sum())
     steps = 0
@@ -138,13 +150,19 @@ class _Search:
     def __init__(
         self,
         graph: HapticGraph,
-        rows: int,
+        roots: Sequence[Sequence[int]],
         bands: Sequence[int] | None,
         targets: Sequence[IntArray] | None,
         backwards: bool,
         limit: float,
     ) -> None:
         self.graph, self.count = graph, graph.node_count
+        rows = len(roots)
+        self.asked = roots, bands, [nodes.tolist() for nodes in targets or ()], backwards, limit
+        self.roots = (
+            np.arange(rows).repeat([len(nodes) for nodes in roots]),
+            np.concatenate([np.array(nodes, dtype=np.int64) for nodes in roots]),
+        )
         self.limit = min(limit, 1e300)
         self.limits = np.full(rows, self.limit)
         self.cut = np.zeros(rows, dtype=np.bool_)
@@ -165,7 +183,7 @@ class _Search:
         self.special[list(graph.table.special)] = True
         self.targets = targets
         self.spacing: FloatArray | None = None  # made when it is worth it
-        self.sought: IntArray | None = None
+        self.sought = np.zeros(0, dtype=np.int64)
         if targets is not None:
             size = np.array([len(nodes) for nodes in targets])
             self.sought = np.concatenate(targets)
@@ -266,14 +284,13 @@ class _Search:
             self.cut[place[beyond] // self.count] = True
         better = (candidate < self.arrival[place]).nonzero()[0]
         place, begin, candidate = place[better], begin[better], candidate[better]
-        # Several connections to one node: the cheapest wins, among equal ones that from the lowest
-        # entry.
+        # Several connections to one node: the cheapest wins, among equal ones the first, as if they
+        # were in different portions.
         np.minimum.at(self.arrival, place, candidate)
         cheapest = (candidate == self.arrival[place]).nonzero()[0]
         place, begin, candidate = place[cheapest], begin[cheapest], candidate[cheapest]
-        self.entry[place] = begin
+        self.entry[place[::-1]] = begin[::-1]
         if (self.entry[place] != begin).any():
-            np.minimum.at(self.entry, place, begin)
             first = (self.entry[place] == begin).nonzero()[0]
             place, candidate = place[first], candidate[first]
         row, node = np.divmod(place, self.count)
@@ -351,11 +368,12 @@ class _Search:
             part = slice(number * self.count, (number + 1) * self.count)
             self.arrival[part], self.entry[part] = arrival, entry
             self.cut[number] |= cut
+            self.limits[number] = limit
 
     def across(self, row: IntArray, node: IntArray, cost: FloatArray) -> Entries:
         """Go on from nodes over their contacts. Returns the new entries."""
         # No more than what each target costs now is of interest. Many are asked more rarely.
-        if self.sought is not None and self.examined >= self.due:
+        if len(self.sought) and self.examined >= self.due:
             self.due = self.examined + len(self.sought)
             dearest = np.maximum.reduceat(self.arrival[self.sought], self.first_sought)
             np.minimum(self.limits, dearest, out=self.limits)
@@ -374,5 +392,64 @@ class _Search:
         self.arrival[self.entry < 0] = math.inf
         shape = len(self.limits), self.count
         return ShortestPaths(
-            self.arrival.reshape(shape), self.entry.reshape(shape), self.cut, self.examined
+            self.arrival.reshape(shape), self.entry.reshape(shape), self.cut, self.examined, self
         )
+
+    def agrees(self, known: _Search) -> bool:
+        """Whether this search would surely find the paths to the targets that a search in an
+        earlier graph did."""
+        graph, rows = self.graph, len(self.limits)
+        if (
+            graph.partner is not known.graph.partner
+            or graph.table.special
+            or self.asked != known.asked
+        ):
+            return False
+        over = np.where(graph.partner >= 0, graph.partner, np.arange(self.count))
+        lost = self._lost(known, over)
+        row, node = lost.nonzero()
+        ends = lost[self.roots].any() or lost.reshape(-1)[self.sought].any()
+        if ends or self.size[node].sum() > lost.size:  # a search would take as long
+            return False
+        # What is not lost costs what it did. What costs more than all targets is of no interest.
+        self.limits = known.limits.copy()
+        most = self.limits[:, None]
+        arrival = known.arrival.reshape(rows, -1)
+        entering = (arrival + self.crossing.reshape(-1, self.count)[self.lane]).take(over, axis=1)
+        entering[(entering > most) | lost] = math.inf
+        entering[self.roots] = 0.0
+        self.entering = entering.reshape(-1)
+        size, other = self.others(node)
+        cost = self.costs(self.lane[row], node, size, other) + entering[row.repeat(size), other]
+        nearest = np.full(len(node), math.inf)
+        np.minimum.at(nearest, np.arange(len(node)).repeat(size), cost)
+        arrival = np.minimum(arrival, most)
+        arrival[row, node] = np.minimum(nearest, self.limits[row])
+        self.arrival = (arrival + SLACK * (1 + arrival)).reshape(-1)
+        pending = self.across(row, node, nearest)
+        while len(pending[0]):
+            now, later = self.cheapest(*pending)
+            onwards = [later]
+            for part in now:
+                row, node, cost = self.inside(*part)
+                if not lost[row, node].all():
+                    return False
+                onwards.append(self.across(row, node, cost))
+            pending = _merged(onwards)
+        return True
+
+    def _lost(self, known: _Search, over: IntArray) -> BoolArray:
+        """Nodes (r, n) whose costs an earlier search does not tell: their contacts have changed, or
+        those on the way to them. ``over`` (n,): the node across the contact of each, or itself."""
+        graph, old = self.graph, known.graph
+        lost = (self.crossing != known.crossing).reshape(-1, self.count)[self.lane]
+        lost |= (graph.node_position.T != old.node_position.T).any(axis=0)
+        lost |= np.any(graph.fronts != old.fronts, axis=0)
+        lost |= graph.reach != old.reach
+        entry = known.entry.reshape(lost.shape)
+        before = over[entry] + self.count * np.arange(len(lost))[:, None]
+        count = -1
+        while count < (count := int(np.count_nonzero(lost))):
+            lost |= lost.take(over, axis=1)
+            lost |= lost.take(before) & (entry >= 0)
+        return np.asarray(lost)

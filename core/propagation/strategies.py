@@ -10,7 +10,7 @@ from ..message import Cause, Message
 from ..scene.bands import BAND_COUNT
 from ..scene.choices import Mode, SourceKind, Strategy
 from ..scene.values import Settings
-from .best_path import best_paths
+from .best_path import Kept, best_paths
 from .breadth_first import PathSums, sums_over_paths
 from .modes import direct_gains, nearest_listener
 from .paths import Paths
@@ -29,13 +29,16 @@ def strategy_of(kind: SourceKind, settings: Settings) -> Strategy:
     return Strategy.BEST_PATH
 
 
-def propagate(graph: HapticGraph, settings: Settings, sounding_only: bool = False) -> Propagation:
+def propagate(
+    graph: HapticGraph, settings: Settings, sounding_only: bool = False, kept: Kept | None = None
+) -> Propagation:
     """Gains from every source to every listener of the graph.
 
     Args:
         graph: the haptic graph.
         settings: mode, strategy and limits.
         sounding_only: leave out sources of amplitude 0; their gains are 0.
+        kept: the trees of an earlier graph, in whose place those of this one are put.
 
     Raises:
         ValueError: if an expression gives no valid gain, with the name of the object.
@@ -59,7 +62,7 @@ def propagate(graph: HapticGraph, settings: Settings, sounding_only: bool = Fals
     led = wanted.copy()
     for row, found in sums.items():
         led[row] &= found.paths > 0
-    best = best_paths(graph, led)
+    best = best_paths(graph, led, kept=kept)
     places = tuple(best.paths.pairs.T)
     cost, band_cost, late = best.paths.sums(graph)
     gain = np.zeros(shape)

@@ -95,8 +95,9 @@ def by_scipy(graph: HapticGraph) -> np.ndarray:
     inside = np.add(
         *graph.table.costs(graph.node_object[a], graph.node_distances(a, b), graph.ends(a, b))
     )
-    one, other = graph.nodes_of_contacts().T
-    over = graph.transmission_loss.T
+    one = np.flatnonzero(graph.partner > np.arange(graph.node_count))
+    other = graph.partner[one]
+    over = graph.transmission_loss[graph.contact[one]].T
     cost = np.concatenate([inside, over[0], inside, over[1]])
     begin = np.concatenate([a, one, b, other])
     end = np.concatenate([b, other, a, one])
