@@ -9,8 +9,8 @@ import tempfile
 from pathlib import Path
 
 from haptic_tracing.core.contacts.contact_set import ContactSet
-from haptic_tracing.core.formats.scene.scene_json import read_scene
 from haptic_tracing.core.graph.haptic_graph import ObjectTable
+from haptic_tracing.core.run_time import load
 from haptic_tracing.core.scene.values import HapticScene, SourceKind
 
 from .families import Family
@@ -31,7 +31,7 @@ def demo_scene() -> HapticScene:
             "10",
         ]
         subprocess.run(command, check=True, capture_output=True)
-        return read_scene(str(Path(folder) / "jackhammer_bench.json"))
+        return load(Path(folder) / "jackhammer_bench.json").content
 
 
 def demo_family() -> Family:

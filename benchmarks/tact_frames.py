@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from haptic_tracing.core.scene.bhaptics import DEVICES, region
 from haptic_tracing.core.scene.body import BODY_PARTS
 from haptic_tracing.plugins.bhaptics import tact
+from haptic_tracing.plugins.bhaptics.motors import DEVICES, region
 from numpy.typing import NDArray
 
 ENOUGH = 0.99

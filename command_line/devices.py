@@ -10,7 +10,6 @@ import time
 import numpy as np
 
 from ..core.declaration import Curve
-from ..core.devices.calibrating import measured_full_scale, sweep
 from ..core.devices.connection import connected, hid_module, missing_permission
 from ..core.devices.families.family import RumbleFamily
 from ..core.devices.families.registry import family
@@ -25,6 +24,7 @@ from ..core.forms import JsonObject
 from ..core.scene.references import named
 from ..core.signals.wav import read_wav
 from . import answer
+from .calibrating import measured_full_scale, sweep
 
 _RATE = 8000
 _FRAME = 0.02

@@ -10,9 +10,10 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from types import MappingProxyType
 
+from ..core.declaration import Declaration, Number, Switch
 from ..core.formats import registry
 from ..core.formats.export import Export
-from ..core.formats.io.catalogue import SCENE, Value, formats, named, value_of
+from ..core.formats.io.catalogue import SCENE, Value, formats, named
 from ..core.formats.io.file_names import file_stem
 from ..core.forms import JsonObject
 from ..core.plugins import offered
@@ -198,7 +199,22 @@ def chosen_options(settings: list[str], names: list[str]) -> dict[str, dict[str,
                 + (f" with one of {offered}" if offered else "")
             )
         try:
-            chosen[name][option] = value_of(known[name][option], text)
+            chosen[name][option] = _value_of(known[name][option], text)
         except ValueError as error:
             raise ValueError(f"{setting}: {error}") from None
     return chosen
+
+
+def _value_of(option: Declaration, text: str) -> Value:
+    """The value of an option in a text. Raises ValueError with the reason."""
+    value: Value = text
+    if isinstance(option, Switch):
+        value = {"true": True, "false": False}.get(text.lower(), text)
+    elif isinstance(option, Number):
+        try:
+            value = int(text) if option.whole else float(text)
+        except ValueError:
+            kind = "whole number" if option.whole else "number"
+            raise ValueError(f"must be a {kind}, got {text!r}") from None
+    checked: Value = option.checked(value)
+    return checked

@@ -6,13 +6,18 @@ import argparse
 import math
 import time
 
+import numpy as np
+
+from ..core.arrays import FloatArray
 from ..core.forms import JsonObject
 from ..core.graph.haptic_graph import HapticGraph
 from ..core.message import sentence
 from ..core.propagation import Propagation, objects_on
-from ..core.render.arrival import levels_alone, signal_gains
+from ..core.render.arrival import arriving, signal_gains
 from ..core.render.frame_result import Sounding
+from ..core.render.levels import vibration_rms
 from ..core.render.masking import felt_sources
+from ..core.render.renderer import SAMPLE_RATE
 from ..core.run_time import Result, Scene, load
 from ..core.scene.values import HapticScene
 from . import print_json, say
@@ -96,7 +101,7 @@ def report(
     played of this source alone, None for silence. Band gains (in the order of `core.scene.bands`),
     and the delay of the best path [s] if the scene uses them; these gains include the amplitude."""
     pairs = []
-    played = levels_alone(scene.sources, scene.listeners, result)
+    played = _levels_alone(scene, result)
     gains = signal_gains(scene.sources, result).tolist()
     for row, source in enumerate(graph.sources):
         for column, listener in enumerate(scene.listeners):
@@ -122,3 +127,14 @@ def report(
     if result.warnings:
         statistics["warnings"] = [sentence(warning) for warning in result.warnings]
     return {"gains": pairs, "strategy": scene.settings.strategy.value, "statistics": statistics}
+
+
+def _levels_alone(scene: HapticScene, result: Propagation) -> FloatArray:
+    """Level (s, l) at each listener of the first second of each source by itself [dB of full
+    scale]: without other sources, limiter and ceiling. Minus infinity for silence."""
+    rate = round(SAMPLE_RATE)
+    own = [float(vibration_rms(s.emitted.sample(0, rate, rate), rate)) for s in scene.sources]
+    factor = np.array([listener.gain for listener in scene.listeners])
+    with np.errstate(divide="ignore"):
+        played = arriving(scene.sources, result) * np.reshape(own, (-1, 1)) * factor
+        return np.asarray(20.0 * np.log10(played))

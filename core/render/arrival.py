@@ -14,7 +14,6 @@ from ..scene.bands import BAND_COUNT
 from ..scene.values import Listener, Source
 from ..signals import Automation, Signal
 from .filter_bank import bank_spectra
-from .levels import vibration_rms
 from .renderer import SAMPLE_RATE
 from .voices import steady_tone
 
@@ -77,24 +76,6 @@ def _threshold(frequency: float | None, device: FullScale | None) -> float:
     if frequency is None:
         return lowest_threshold(device)
     return float(threshold_level(max(frequency, 1.0), device))
-
-
-def levels_alone(
-    sources: Sequence[Source], listeners: Sequence[Listener], propagation: Propagation
-) -> FloatArray:
-    """Level (s, l) at each listener of the first second of each source by itself [dB of full
-    scale]: without other sources, limiter and ceiling. Minus infinity for silence."""
-    own = np.array([_rms(source.emitted) for source in sources]).reshape(-1, 1)
-    factor = np.array([listener.gain for listener in listeners])
-    with np.errstate(divide="ignore"):
-        return np.asarray(20.0 * np.log10(arriving(sources, propagation) * own * factor))
-
-
-@lru_cache(maxsize=256)
-def _rms(signal: Signal) -> float:
-    """RMS of the first second of a signal, without its steady part."""
-    rate = round(SAMPLE_RATE)
-    return float(vibration_rms(signal.sample(0, rate, rate), rate))
 
 
 @lru_cache(maxsize=256)

@@ -26,7 +26,6 @@ from ...core.arrays import FloatArray
 from ...core.formats.io.budget import Budget
 from ...core.formats.io.error import FormatError, errors_in
 from ...core.formats.io.json_text import json_points, write_compact
-from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.strict_json import parse_json, read_bytes, without_trailing_commas
 from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
@@ -40,6 +39,7 @@ from ..keyframes.carrier import Carrier, compare_carriers
 from ..keyframes.channel import KeyframedChannel
 from ..keyframes.comparison import Comparison, Kind, Measures
 from ..keyframes.envelopes import WithoutBursts, bursts_of, vibration_envelope
+from ..keyframes.left_out import without_damaged
 
 TRANSIENTS_SUFFIX = ".transients.ahap"
 

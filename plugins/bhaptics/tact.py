@@ -16,7 +16,6 @@ from ...core.formats.io.budget import Budget
 from ...core.formats.io.error import FormatError
 from ...core.formats.io.file_names import file_stems
 from ...core.formats.io.json_text import write_compact
-from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
 from ...core.formats.tracks.fidelity import Progress
@@ -24,12 +23,13 @@ from ...core.formats.tracks.listener_tracks import Tracks
 from ...core.formats.tracks.track_export import TrackExport, body_part_of, common_losses, credit
 from ...core.formats.tracks.vibration_file import VibrationFile
 from ...core.forms import Form, JsonObject
-from ...core.scene.bhaptics import DEVICES, region
 from ...core.scene.body import BODY_PARTS
 from ..keyframes.carrier import Carrier
 from ..keyframes.channel import KeyframedChannel
 from ..keyframes.comparison import Comparison, Kind, Measures
 from ..keyframes.envelopes import compare_steps, vibration_envelope
+from ..keyframes.left_out import without_damaged
+from .motors import DEVICES, region
 
 INTERVAL = 20
 """Step of strengths (milliseconds)."""

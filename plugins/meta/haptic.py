@@ -21,7 +21,6 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.formats.io.error import FormatError
 from ...core.formats.io.json_text import json_points, write_compact, write_json
-from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
 from ...core.formats.tracks.fidelity import Progress
@@ -40,6 +39,7 @@ from ..keyframes.envelopes import (
     thinned_carrier,
 )
 from ..keyframes.fitting import Fit
+from ..keyframes.left_out import without_damaged
 from .actuator import ACTUATORS, DUCKING, Actuator, actuator_beside, power
 
 SLIGHT = 0.05

@@ -14,7 +14,6 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.formats.io.budget import Budget
 from ...core.formats.io.error import FormatError
-from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
 from ...core.formats.tracks.vibration_file import Channel, VibrationFile
@@ -22,6 +21,7 @@ from ...core.forms import Form
 from ...core.scene.body import BODY_PARTS
 from ..keyframes.carrier import Carrier
 from ..keyframes.channel import KeyframedChannel
+from ..keyframes.left_out import without_damaged
 from ..keyframes.transients import transient_carrier
 from .wavelet import WaveletBand
 

@@ -20,8 +20,8 @@ from ...core.devices.report import Report, Tones, Transport
 from ...core.formats.io.error import FormatError
 from ...core.formats.io.schema import validate
 from ...core.forms import Form, JsonObject
-from ...core.scene.bhaptics import DEVICES, region
 from ...core.scene.body import BODY_PARTS
+from ..bhaptics.motors import DEVICES, region
 from .loopback import Connection, Player, cancel, player_module
 
 __all__ = ["SEARCHES", "cancel"]

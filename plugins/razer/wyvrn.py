@@ -13,7 +13,6 @@ from ...core.arrays import FloatArray
 from ...core.formats.io.error import FormatError
 from ...core.formats.io.file_names import file_stem, file_stems
 from ...core.formats.io.json_text import json_points, write_compact, write_json
-from ...core.formats.io.left_out import without_damaged
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
 from ...core.formats.tracks.fidelity import Progress
@@ -26,6 +25,7 @@ from ..keyframes.carrier import Carrier, compare_carriers
 from ..keyframes.channel import KeyframedChannel
 from ..keyframes.comparison import Comparison, Kind, Measures
 from ..keyframes.fitting import Fit, fit_bands
+from ..keyframes.left_out import without_damaged
 from ..keyframes.transients import TRANSIENT_SECONDS, transient_carrier, without_transients
 
 BANDS = wide_bands((5, 90, 430))

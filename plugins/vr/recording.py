@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import bpy
 import numpy as np
 from bpy.types import Mesh, Object, Scene
 
-from ...addon.blender.arrays import write_keys
 from ...addon.blender.compatibility import ensure_fcurve
 from ...addon.blender.units import metres_per_unit
 from ...addon.io.property_writer import write_body, write_listener
+from ...core.arrays import FloatArray
 from ...core.contacts.shape_surface import surface
 from ...core.scene.values import Listener
 from .hands import NAMES, OBJECTS, PARTS, SHAPE, Grips
+
+_LINEAR = 1  # interpolation
 
 
 def add(scene: Scene, take: Mapping[int, Grips]) -> None:
@@ -51,7 +54,18 @@ def _move(
     rotations[1:] *= np.cumprod(flips)[:, None]
     for path, values in (("location", places * obj.scale.x), ("rotation_quaternion", rotations)):
         for index, column in enumerate(values.T):
-            write_keys(ensure_fcurve(obj, path, index=index), frames, column)
+            _write_keys(ensure_fcurve(obj, path, index=index), frames, column)
+
+
+def _write_keys(curve: Any, frames: Sequence[int], values: FloatArray) -> None:
+    """Add keys to an F-curve, with straight lines between them."""
+    places = np.column_stack([frames, values]).astype(np.float32)
+    curve.keyframe_points.add(len(places))
+    curve.keyframe_points.foreach_set("co", places.ravel())
+    curve.keyframe_points.foreach_set(
+        "interpolation", np.full(len(places), _LINEAR, dtype=np.int32)
+    )
+    curve.update()
 
 
 def _mesh(name: str) -> Mesh:

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.io import drawings
 from haptic_tracing.addon.session import session, sessions
-from haptic_tracing.core.formats.scene.scene_json import read_scene
 from haptic_tracing.core.scene.impact_rule import ImpactRule
 from haptic_tracing.core.scene.rule_table import Side
 from haptic_tracing.core.signals import Automation, Drawing, impact_template
+from scene_files import read_scene
 
 
 def write_wav(path, samples, rate=8000):

@@ -19,21 +19,6 @@ MAX_SAMPLE_RATE = 192_000
 Value = bool | int | float | str
 
 
-def value_of(option: Declaration, text: str) -> Value:
-    """The value of an option in a text. Raises ValueError with the reason."""
-    value: Value = text
-    if isinstance(option, Switch):
-        value = {"true": True, "false": False}.get(text.lower(), text)
-    elif isinstance(option, Number):
-        try:
-            value = int(text) if option.whole else float(text)
-        except ValueError:
-            kind = "whole number" if option.whole else "number"
-            raise ValueError(f"must be a {kind}, got {text!r}") from None
-    checked: Value = option.checked(value)
-    return checked
-
-
 def complete(options: Mapping[str, Declaration], chosen: Mapping[str, Value]) -> JsonObject:
     """The value of every option: the chosen one, checked, or the default. Raises ValueError for an
     unknown option."""

@@ -19,7 +19,6 @@ from ..io.error import FormatError, errors_in
 from ..io.json_text import compact
 from ..io.scene_schema import SCENE
 from ..io.schema import validate
-from ..io.strict_json import read_json
 from .values_json import (
     json_value,
     read_contact,
@@ -44,16 +43,6 @@ CONVENTION = {
     "rotation": "quaternion w, x, y, z",
 }
 """Axes and units of every scene file."""
-
-
-def read_scene(path: str | Path) -> HapticScene:
-    """The scene in a ``.json`` or ``.json.gz`` file. Raises FormatError or OSError."""
-    return scene_from_dict(read_json(path), path)
-
-
-def write_scene(scene: HapticScene, path: str | Path) -> None:
-    """Write a scene as ``.json``, or compressed as ``.json.gz``, in one step."""
-    write_document(scene_to_dict(scene), path)
 
 
 def write_document(document: Form, path: str | Path) -> None:

@@ -14,14 +14,13 @@ from haptic_tracing.core.devices.mapping import map_listeners, shares
 from haptic_tracing.core.devices.profile_files import parse_profile, profile
 from haptic_tracing.core.devices.profiles import Actuator, Calibration
 from haptic_tracing.core.events.frame import Frame
-from haptic_tracing.core.scene.bhaptics import DEVICES
 from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Source
 from haptic_tracing.core.tracer import Tracer
 from hypothesis import given
 from hypothesis import strategies as st
 
 PAIR = [(0.0, 0.0), (1.0, 0.0)]
-VEST = list(DEVICES["Tactot"]["VestBack"])
+VEST = [(k % 4 / 3, k // 4 / 4) for k in range(20)]
 LAYOUTS = {
     "pair": PAIR,
     "diagonal": [(0, 0), (3, 2)],

@@ -16,11 +16,11 @@ from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io import atomic, catalogue
 from haptic_tracing.core.formats.io.file_names import file_stem, file_stems
-from haptic_tracing.core.formats.scene.scene_json import read_scene, write_scene
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import given
 from hypothesis import strategies as st
+from scene_files import read_scene, write_scene
 
 # Names that Windows keeps for devices, with any ending (Microsoft: Naming Files, Paths, and
 # Namespaces).

@@ -12,7 +12,6 @@ from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io import catalogue
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from haptic_tracing.core.scene.bhaptics import DEVICES
 from haptic_tracing.core.scene.body import BODY_PART, BODY_PARTS
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import HealthCheck, given, settings
@@ -26,7 +25,6 @@ sys.modules["format_rules"] = rules
 spec.loader.exec_module(rules)
 
 FORMATS = [name for name in catalogue.formats() if name != "scene"]
-POSITIONS = {position for layout in DEVICES.values() for position in layout}
 SCENE = HapticScene(objects=(HapticObject("ground", 0.2, 0.9),))
 
 
@@ -111,9 +109,12 @@ def generated_tracks(draw):
 @given(generated_tracks())
 @pytest.mark.plugins
 def test_generated_tracks_in_every_format(tmp_path_factory, tracks):
+    from haptic_tracing.plugins.bhaptics.motors import DEVICES
+
     folder = tmp_path_factory.mktemp("generated")
+    positions = {position for layout in DEVICES.values() for position in layout}
     worn = any(
-        BODY_PART[item.body_part].bhaptics in POSITIONS
+        BODY_PART[item.body_part].bhaptics in positions
         for item in tracks.listeners
         if item.body_part in BODY_PART
     )

@@ -16,11 +16,11 @@ from haptic_tracing.core.formats import haptic_scene, registry
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.io import catalogue, strict_json
 from haptic_tracing.core.formats.io.error import FormatError
-from haptic_tracing.core.formats.scene.scene_json import read_scene
 from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tracks
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Source
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scene_files import read_scene
 
 JSON_SUFFIXES = {*catalogue.readers(), ".json"} - {".wav"}
 LOOSE = settings(

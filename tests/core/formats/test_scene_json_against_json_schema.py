@@ -23,11 +23,9 @@ from haptic_tracing.core.contacts.shapes import (
 from haptic_tracing.core.formats.io.error import FormatError
 from haptic_tracing.core.formats.io.schema import load_schema, validate
 from haptic_tracing.core.formats.scene.scene_json import (
-    read_scene,
     scene_from_dict,
     scene_to_dict,
     valid_document,
-    write_scene,
 )
 from haptic_tracing.core.scene.functions import (
     Constant,
@@ -72,6 +70,7 @@ from haptic_tracing.core.signals import (
 from haptic_tracing.core.signals.base import json_fields
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scene_files import read_scene, write_scene
 
 SCHEMA = load_schema("haptic-scene-1.1")
 REFERENCE = jsonschema.Draft202012Validator(SCHEMA)

@@ -10,7 +10,7 @@ from haptic_tracing.core.contacts.shapes import Box
 from haptic_tracing.core.formats.export import Export
 from haptic_tracing.core.formats.haptic_scene import write_export
 from haptic_tracing.core.formats.io.error import FormatError
-from haptic_tracing.core.formats.scene.scene_json import read_scene, scene_from_dict, scene_to_dict
+from haptic_tracing.core.formats.scene.scene_json import scene_from_dict, scene_to_dict
 from haptic_tracing.core.scene.functions import Identity
 from haptic_tracing.core.scene.values import (
     HapticObject,
@@ -22,6 +22,7 @@ from haptic_tracing.core.scene.values import (
 )
 from haptic_tracing.core.signals import DecayingSine
 from haptic_tracing.core.signals.wav import WavFile
+from scene_files import read_scene
 
 KNOCK = DecayingSine(120.0, 0.02)
 TRIGGERS = (Trigger((0.1, 0.55), (1.0, 0.5)), Trigger((0.3,)))

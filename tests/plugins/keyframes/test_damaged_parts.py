@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from haptic_tracing.core.formats import registry
 from haptic_tracing.core.formats.io.error import FormatError
-from haptic_tracing.core.formats.io.left_out import MOST
+from haptic_tracing.plugins.keyframes.left_out import MOST
 
 CORPUS = Path(__file__).parents[2] / "core" / "formats" / "corpus"
 TIME = np.arange(8000) / 8000

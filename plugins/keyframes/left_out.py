@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-from .error import FormatError, json_pointer
+from ...core.formats.io.error import FormatError, json_pointer
 
 MOST = 20
 """Parts that are left out; a file with more is refused."""

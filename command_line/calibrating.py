@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..core.arrays import FloatArray
 
 SWEEP = (30.0, 400.0)
 """Ends of the test sweep [Hz]: from the lowest frequency that a hand feels as vibration to the

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .body import BodyPart
+from ...core.scene.body import BodyPart
 
 # Places of the motors, x from the wearer's left to right (also on the back), y downwards, as in the
 # maker's own files.

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from haptic_tracing.command_line import main
-from haptic_tracing.core.devices.calibrating import measured_full_scale, sweep
+from haptic_tracing.command_line.calibrating import measured_full_scale, sweep
 from haptic_tracing.core.devices.profile_files import BUILT_IN
 from haptic_tracing.core.run_time import load
 from scipy import signal
