@@ -41,9 +41,14 @@ def set_elsewhere(
     way = now.transforms[:, :3, 3] - known[:, :3, 3]
     frames = frame - since
     fast = (way * way).sum(axis=1) > (_SLOW * frames * frame_seconds(scene)) ** 2
-    rows = fast.nonzero()[0]
+    rows = np.array(
+        [k for k in fast.nonzero()[0].tolist() if now.bodies[k].motion is not Motion.DYNAMIC],
+        dtype=np.int64,
+    )
+    if not len(rows):
+        return frozenset()
     bodies = [now.bodies[k] for k in rows.tolist()]
-    bounds = np.array([body.shape.local_bounds for body in bodies]).reshape(-1, 2, 3)
+    bounds = np.array([body.shape.local_bounds for body in bodies])
     low, high = np.stack(
         [transformed_bounds(bounds, poses[rows]) for poses in (known, now.transforms)], axis=2
     ).transpose(1, 2, 0, 3)
@@ -52,9 +57,7 @@ def set_elsewhere(
     return frozenset(
         body.name
         for body in compress(bodies, apart.tolist())
-        if body.motion is not Motion.DYNAMIC
-        and (obj := object_named(body.name)) is not None
-        and _jumps(obj, *span)
+        if (obj := object_named(body.name)) is not None and _jumps(obj, *span)
     )
 
 

@@ -64,6 +64,8 @@ class Joints:
     def holding(self, poses: BodyPoses) -> IntArray:
         """The pairs (k,), by key, ascending, whose pivot is the same point of both in ``poses``."""
         contacts = self._contacts
+        if not len(contacts.key):
+            return contacts.key
         bodies = contacts.larger, contacts.smaller
         ends = [
             placed(poses.pose[:, k], pivot) for k, pivot in zip(bodies, self._pivots, strict=True)

@@ -337,8 +337,14 @@ class MotionHistory:
         if step >= HITCH:
             return self._straight(step, known)
         moving = self.moving()
-        if moving.all():
-            return self._curved(kinematic, airborne, gravity, step, known, older)
+        if 2 * np.count_nonzero(moving) > len(moving):
+            found = self._curved(kinematic, airborne, gravity, step, known, older)
+            return replace(
+                found,
+                certain=found.certain | (kinematic & ~moving),
+                turned=found.turned & moving,
+                trend=np.where(moving, found.trend, 0.0),
+            )
         moving_ones, rows = copy.copy(self), moving.nonzero()[0]
         moving_ones.renumber(rows)
         found = moving_ones._curved(kinematic[rows], airborne[rows], gravity, step, known, older)
@@ -418,7 +424,7 @@ class MotionHistory:
         )
         moving = self.moving()
         turning = spins(start, end, step)
-        if older:
+        if older and (kinematic & moving).any():
             moving &= ~(kinematic & _jumps(first, chord, direct))
             rows = (smooth & moving).nonzero()[0]
             smooth[rows] = ~self._stopped(rows)

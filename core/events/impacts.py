@@ -180,7 +180,9 @@ def _named_apart(names: set[str], items: Iterable[ActiveImpact]) -> tuple[Active
         while name in names:
             name += "+"
         names.add(name)
-        found.append(replace(item, source=replace(item.source, name=name)))
+        if name != item.source.name:
+            item = replace(item, source=replace(item.source, name=name))
+        found.append(item)
     return tuple(found)
 
 

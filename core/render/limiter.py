@@ -57,28 +57,26 @@ class Limiter:
         delayed = np.concatenate((self._input, block), axis=1)
         self._input = delayed[:, count:]
         magnitude = np.abs(block)
-        if (
-            (magnitude <= self._s_max).all()
-            and (self._needed == 1.0).all()
-            and (self._held == 1.0).all()
-        ):
-            return delayed[:, :count].copy()
+        active = ~(magnitude <= self._s_max).all(axis=1)
+        active |= (self._needed != 1.0).any(axis=1) | (self._held != 1.0).any(axis=1)
+        limited = delayed[:, :count].copy()
+        rows = active.nonzero()[0]
+        if len(rows) == 0:
+            return limited
+        s_max = self._s_max[rows]
         needed = np.concatenate(
-            (self._needed, self._s_max / np.maximum(magnitude, self._s_max)), axis=1
+            (self._needed[rows], s_max / np.maximum(magnitude[rows], s_max)), axis=1
         )
-        self._needed = needed[:, count:]
-        held = np.concatenate(
-            (
-                self._held,
-                self._released(_sliding_minimum(needed, self._window), self._held[:, -1:]),
-            ),
-            axis=1,
-        )
-        self._held = held[:, count:]
+        self._needed[rows] = needed[:, count:]
+        before = self._held[rows]
+        released = self._released(_sliding_minimum(needed, self._window), before[:, -1:])
+        held = np.concatenate((before, released), axis=1)
+        self._held[rows] = held[:, count:]
         gain = np.stack([np.correlate(row, self._kernel, "valid") for row in held])
         # A window of ones sums to 1 up to rounding, and must change nothing.
         gain[np.abs(gain - 1.0) < 1e-12] = 1.0
-        return saturated(delayed[:, :count] * gain, self._s_max)
+        limited[rows] = saturated(limited[rows] * gain, s_max)
+        return limited
 
     def _released(self, gain: FloatArray, before: FloatArray) -> FloatArray:
         """Return the minimum of the gain and of all earlier gains after their exponential release,

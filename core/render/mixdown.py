@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..arrays import FloatArray
+from ..arrays import BoolArray, FloatArray
 from ..scene.values import Listener
 from .arrival import are_unfelt
 from .frame_result import FrameResult, Sounding
@@ -122,28 +122,33 @@ def _mix(name: str, mixing: str, expression: str, s_max: float, limiter: bool) -
 
 def source_voices(state: Sounding | FrameResult) -> list[Voice]:
     """One voice per source for a `Renderer`, with its gains at the listeners."""
-    sources, listeners, propagation = state.sources, state.listeners, state.propagation
-    listener_gain = np.array([item.gain for item in listeners])
-    gains = propagation.gain if propagation.band_gain is None else propagation.band_gain
-    return [
-        Voice(
-            key=source.name,
-            signal=source.emitted,
-            gains=gains[row] * (listener_gain if gains.ndim == 2 else listener_gain[:, None]),
-            onset=source.onset,
-            amplitude=source.amplitude,
-            delays=None if propagation.delay is None else propagation.delay[row],
-            priority=source.priority,
-        )
-        for row, source in enumerate(sources)
-    ]
+    return _voices(state, np.ones((len(state.sources), 1)))
 
 
 def rendered_voices(state: Sounding | FrameResult) -> list[Voice]:
     """`source_voices` without what lies so far under a listener's threshold of feeling that it is
     not rendered."""
-    heard = ~are_unfelt(state.sources, state.listeners, state.propagation)
+    return _voices(state, ~are_unfelt(state.sources, state.listeners, state.propagation))
+
+
+def _voices(state: Sounding | FrameResult, share: FloatArray | BoolArray) -> list[Voice]:
+    """One voice per source, with its gains times the ``share`` (s, l or 1)."""
+    propagation = state.propagation
+    factor = np.array([item.gain for item in state.listeners]) * share
+    gains = (
+        propagation.gain * factor
+        if propagation.band_gain is None
+        else propagation.band_gain * factor[..., None]
+    )
     return [
-        voice._replace(gains=voice.gains * (row if voice.gains.ndim == 1 else row[:, None]))
-        for voice, row in zip(source_voices(state), heard, strict=True)
+        Voice(
+            key=source.name,
+            signal=source.emitted,
+            gains=own,
+            onset=source.onset,
+            amplitude=source.amplitude,
+            delays=None if propagation.delay is None else propagation.delay[row],
+            priority=source.priority,
+        )
+        for row, (source, own) in enumerate(zip(state.sources, gains, strict=True))
     ]
