@@ -28,7 +28,7 @@ _LENT = {
     "addon.properties": "actuators",
     "addon.scene_reader": "bone_parts functions kept_signal settings triggers",
     "addon.session": "session",
-    "addon.view": "comparison explanation gain_plot levels "
+    "addon.view": "comparison explanation levels "
     "meter_layout meters overlay "
     "panel_picture paths sound_picture table watched",
     "core": "felt signals",

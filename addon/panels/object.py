@@ -10,17 +10,13 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from bpy.types import Context, Object, Panel, Scene, UILayout
 
-from ...core.declaration import default_of
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.functions import Physical
-from ...core.scene.values import HapticObject, Listener, Settings, Source
+from ...core.scene.values import HapticObject, Listener, Source
 from ..blender.polling import is_editable
-from ..blender.words import show, show_pair, ui_text
-from ..properties.preferences import gain_text, preferences
-from ..scene_reader import functions
+from ..blender.words import ui_text
 from ..session import sessions
 from ..session.derived import Derived
-from ..view import gain_plot, panel_picture
 from .drawing import (
     ObjectPanel,
     draw_held,
@@ -33,9 +29,7 @@ from .formula import draw_parameters
 from .texts import draw_sentence, fitted
 
 if TYPE_CHECKING:
-    from ...core.scene.functions import ModulationFunction
     from ..properties.materials import HapticMaterial, HapticObjectMaterial
-    from ..properties.object import HapticObjectProperties
 
 _AT_ORIGIN = 1e-4
 """Distance [m] up to which something stands at an origin."""
@@ -48,15 +42,6 @@ def library_owner(context: Context, obj: Object) -> Any:
     values count."""
     name = obj.haptics.material.name
     return context.scene.haptics.materials.items.get(name) if name else None
-
-
-def _poll_haptic(cls: type[Panel], context: Context) -> bool:
-    """There is an active object that is haptic, and not a skeleton."""
-    return (
-        context.object is not None
-        and context.object.type != "ARMATURE"
-        and context.object.haptics.enabled
-    )
 
 
 class HAPTIC_PT_object_settings(Panel):
@@ -265,70 +250,20 @@ def _twin(context: Context, haptics: Any) -> str | None:
     return None
 
 
-class HAPTIC_PT_gain(ObjectPanel):
-    bl_parent_id = "HAPTIC_PT_object"
-    bl_label = "Gain over Distance"
-    bl_options: Any = set()
-
-    poll = classmethod(_poll_haptic)
-
-    def draw(self, context: Context) -> None:
-        layout = self.layout
-        haptics = context.object.haptics
-        key = _curve_key(haptics)
-        latest = None if key is None else gain_plot.latest_curve(key)
-        if key is not None and latest is None:
-            layout.label(text="Computing...", icon="SORTTIME")
-            return
-        curve = None if latest is None else latest.value
-        if curve is None:
-            layout.label(text="The formula gives no gain", icon="ERROR")
-            return
-        icon = gain_plot.icon(
-            curve, tuple(preferences().curve_colour), panel_picture.theme_ink(context)
-        )
-        layout.template_icon(icon_value=icon, scale=7.0)
-        row = layout.row()
-        show(row, f"0 {curve.unit}, 0 \N{HORIZONTAL ELLIPSIS} \N{MINUS SIGN}60 dB")
-        side = row.row()
-        side.alignment = "RIGHT"
-        side.label(text=f"{curve.length:g} {curve.unit}")
-        column = layout.column(align=True)
-        column.scale_y = 0.8
-        if haptics.function == "haptic_tracing":
-            show_pair(
-                column, "K = (1 - κ) ρ", f"{transfer_coefficient(haptics.kappa, haptics.rho):.2f}"
-            )
-        for distance in (0.0, curve.length / 10, curve.length / 2):
-            show_pair(column, f"{distance:g} {curve.unit}", gain_text(curve.at(distance)))
-        if curve.bands is not None:
-            is_spring = haptics.function == "resilient"
-            column.label(
-                text="Thin lines: 1, 10 and 100 kg"
-                if is_spring
-                else "Thin lines: 30, 100 and 300 Hz"
-            )
-
-
-def _curve_key(
-    haptics: HapticObjectProperties,
-) -> tuple[ModulationFunction, float, float, float] | None:
-    """The values that determine the active object's curve; None if its function is invalid."""
-    try:
-        epsilon = default_of(Settings, "epsilon")
-        return functions.read_function(haptics), haptics.kappa, haptics.rho, epsilon
-    except ValueError:
-        return None
-
-
 class HAPTIC_PT_constants(ObjectPanel):
     bl_parent_id = "HAPTIC_PT_object"
     bl_label = "Physical Constants"
+    bl_order = 1  # after the panels of plug-ins
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         obj = context.object
-        return obj is not None and _poll_haptic(cls, context) and obj.haptics.function == "physical"
+        return (
+            obj is not None
+            and obj.type != "ARMATURE"
+            and obj.haptics.enabled
+            and obj.haptics.function == "physical"
+        )
 
     def draw(self, context: Context) -> None:
         draw_held(settings_layout(self, is_animated=True), context.object.haptics, Physical)

@@ -176,7 +176,7 @@ def test_panels_of_roles_that_an_object_does_not_have_are_folded(add_box):
     bpy.context.view_layer.objects.active = add_box("box", (0, 0, 0), (1, 1, 1), haptic=False)
     for panel in (object.HAPTIC_PT_object, source.HAPTIC_PT_source, listener.HAPTIC_PT_listener):
         assert not vars(drawn(panel))["properties"]
-    assert not object.HAPTIC_PT_gain.poll(bpy.context)
+    assert not object.HAPTIC_PT_constants.poll(bpy.context)
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)

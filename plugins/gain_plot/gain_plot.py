@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...addon.session.derived import Background, Latest
+from ...addon.view.panel_picture import SIZE, Canvas, Colour, Picture, Pixels
 from ...core.arrays import FloatArray
 from ...core.scene.bands import BAND_COUNT, BAND_EDGES
 from ...core.scene.functions import ModulationFunction, Resilient
-from ..session.derived import Background, Latest
-from .panel_picture import SIZE, Canvas, Colour, Picture, Pixels
 
 FLOOR = -60.0
 """Gain at the bottom of the picture [dB]."""

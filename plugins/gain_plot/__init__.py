@@ -1,0 +1,1 @@
+"""Plot of the gain over distance of the active object."""
