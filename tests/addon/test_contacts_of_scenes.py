@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session
-from scene_files import read_scene
+from written_scenes import read_scene
 
 _spec = importlib.util.spec_from_file_location(
     "recording_layout", Path(__file__).with_name("recording_layout.py")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import pytest
 from haptic_tracing.addon.session import session
-from scene_files import read_scene
+from written_scenes import read_scene
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.core.scene.impact_rule import ImpactRule
 from haptic_tracing.core.scene.rule_table import Side
 from haptic_tracing.core.signals import Automation, Drawing, impact_template
-from scene_files import read_scene
+from written_scenes import read_scene
 
 
 def write_wav(path, samples, rate=8000):

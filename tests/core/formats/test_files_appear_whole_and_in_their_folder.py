@@ -20,7 +20,7 @@ from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tr
 from haptic_tracing.core.scene.values import HapticObject, HapticScene
 from hypothesis import given
 from hypothesis import strategies as st
-from scene_files import read_scene, write_scene
+from written_scenes import read_scene, write_scene
 
 # Names that Windows keeps for devices, with any ending (Microsoft: Naming Files, Paths, and
 # Namespaces).

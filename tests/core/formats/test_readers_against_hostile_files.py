@@ -20,7 +20,7 @@ from haptic_tracing.core.formats.tracks.listener_tracks import ListenerTrack, Tr
 from haptic_tracing.core.scene.values import HapticObject, HapticScene, Source
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from scene_files import read_scene
+from written_scenes import read_scene
 
 JSON_SUFFIXES = {*catalogue.readers(), ".json"} - {".wav"}
 LOOSE = settings(

@@ -70,7 +70,7 @@ from haptic_tracing.core.signals import (
 from haptic_tracing.core.signals.base import json_fields
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from scene_files import read_scene, write_scene
+from written_scenes import read_scene, write_scene
 
 SCHEMA = load_schema("haptic-scene-1.1")
 REFERENCE = jsonschema.Draft202012Validator(SCHEMA)

@@ -22,7 +22,7 @@ from haptic_tracing.core.scene.values import (
 )
 from haptic_tracing.core.signals import DecayingSine
 from haptic_tracing.core.signals.wav import WavFile
-from scene_files import read_scene
+from written_scenes import read_scene
 
 KNOCK = DecayingSine(120.0, 0.02)
 TRIGGERS = (Trigger((0.1, 0.55), (1.0, 0.5)), Trigger((0.3,)))
