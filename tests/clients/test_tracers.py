@@ -1,4 +1,5 @@
-"""The tracer in C#, compiled and run by Mono, against the conformance files and the core."""
+"""The tracers in C#, run by Mono, and in JavaScript, run by Node, against the conformance files and
+the core."""
 
 from __future__ import annotations
 
@@ -49,24 +50,21 @@ from haptic_tracing.core.signals import Noise, Pulse, Sine
 from haptic_tracing.plugins.engine import tables
 
 ROOT = Path(__file__).parents[2]
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.plugins,
-    pytest.mark.skipif(
-        not sys.platform.startswith("linux"), reason="Mono is installed on Linux only"
-    ),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.plugins]
 
 
-@pytest.fixture(scope="module")
-def judge(tmp_path_factory):
-    """The program that plays scripts to the tracer."""
+@pytest.fixture(scope="module", params=["C#", "JavaScript"])
+def judge(request, tmp_path_factory):
+    """The command that plays scripts to the tracer in a language."""
+    here = Path(__file__).parent
+    if request.param == "JavaScript":
+        assert shutil.which("node"), "Node is missing"
+        return ["node", here / "judge.mjs"]
+    if not sys.platform.startswith("linux"):
+        pytest.skip("Mono is installed on Linux only")
     assert shutil.which("mcs"), "Mono is missing: packaging/system_packages test"
     program = tmp_path_factory.mktemp("tracer") / "judge.exe"
-    sources = [
-        ROOT / "clients" / "csharp" / "HapticTracer.cs",
-        Path(__file__).with_name("Judge.cs"),
-    ]
+    sources = [ROOT / "clients" / "csharp" / "HapticTracer.cs", here / "Judge.cs"]
     done = subprocess.run(
         ["mcs", "-warnaserror", "-langversion:7", f"-out:{program}", *sources],
         capture_output=True,
@@ -74,7 +72,7 @@ def judge(tmp_path_factory):
         timeout=120,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    return program
+    return ["mono", program]
 
 
 def turned(vector):
@@ -133,7 +131,7 @@ class Script:
 def played(judge, lines):
     """The answers to the steps of a script."""
     done = subprocess.run(
-        ["mono", str(judge)], input="\n".join(lines), capture_output=True, text=True, timeout=300
+        judge, input="\n".join(lines), capture_output=True, text=True, timeout=300
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]
