@@ -13,7 +13,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ...core.declaration import Declaration, Number
 from ...core.formats import haptic_scene, registry
-from ...core.formats.io.catalogue import Format, Value, named, track_formats
+from ...core.formats.io.catalogue import SCENE, Format, Value, named, track_formats
 from ..bake import playback
 from ..blender import job
 from ..blender.polling import Action
@@ -132,23 +132,9 @@ class HAPTIC_OT_export_scene(RangeExport, Action):
         ),
         default="CURRENT",
     )
-    tracks: choice(
-        "Tracks",
-        "What the listeners feel, rendered",
-        (
-            ("none", "None", "Not written: the scene can be rendered again"),
-            ("inline", "In the File", "Within the JSON"),
-            ("wav", "Beside It", "As a WAV file of the same name"),
-        ),
-        default="none",
-    )
-    encoding: choice(
-        "Encoding",
-        "Of the tracks",
-        (("pcm16", "16 Bit", ""), ("float32", "Float", "Without any loss of range")),
-        default="pcm16",
-    )
-    compressed: switch("Compressed", "Packed, as .json.gz")
+    tracks: property_of(SCENE.options["tracks"])
+    encoding: property_of(SCENE.options["encoding"])
+    compressed: property_of(SCENE.options["compressed"])
 
     @property
     def filename_ext(self) -> str:

@@ -56,8 +56,8 @@ _PACKAGE = __package__.rpartition(".")[0]
 _ENCODING = Choice(
     shown="pcm16",
     label="Encoding",
-    about="16 bit, or float without any loss of range",
-    items={"pcm16": ("pcm16", ""), "float32": ("float32", "")},
+    about="Of the tracks",
+    items={"pcm16": ("16 Bit", ""), "float32": ("Float", "Without any loss of range")},
 )
 SCENE = Format(
     name="scene",
@@ -72,11 +72,15 @@ SCENE = Format(
         "tracks": Choice(
             shown="none",
             label="Tracks",
-            about="Rendered tracks: not written, in the file itself, or in a WAV file",
-            items={"none": ("none", ""), "inline": ("inline", ""), "wav": ("wav", "")},
+            about="What the listeners feel, rendered",
+            items={
+                "none": ("None", "Not written: the scene can be rendered again"),
+                "inline": ("In the File", "Within the JSON"),
+                "wav": ("Beside It", "As a WAV file of the same name"),
+            },
         ),
         "encoding": _ENCODING,
-        "compressed": Switch(shown=False, label="Compressed", about="Write .json.gz"),
+        "compressed": Switch(shown=False, label="Compressed", about="Packed, as .json.gz"),
     },
 )
 WAV = Format(
