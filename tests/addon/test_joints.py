@@ -13,8 +13,8 @@ from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.tracker import ContactTracker
-from haptic_tracing.core.formats.scene.scene_json import read_scene
 from mathutils import Matrix
+from written_scenes import read_scene
 
 
 def found() -> Any:
