@@ -52,15 +52,16 @@ namespace HapticTracer
         internal double Spread(double run)
         {
             if (Exponent == 0) return 0;
-            var near = Exponent * Math.Log(1 + Math.Min(run, Extent) / Reference);
-            return run > Extent ? near + 0.5 * Math.Log(1 + (run - Extent) / Width) : near;
+            return run > Extent
+                ? Exponent * Math.Log(1 + Extent / Reference) + 0.5 * Math.Log(1 + (run - Extent) / Width)
+                : Exponent * Math.Log(1 + run / Reference);
         }
 
         /// <summary>What is alike in all lanes over a distance between fronts of waves that have run some way before.</summary>
         internal double Shape(double distance, double value, double one, double other, double halves)
         {
             var cost = one == 0 && other == 0
-                ? Spread(Math.Min(distance, Over))
+                ? Spread(distance < Over ? distance : Over)
                 : Math.Max(Spread(Math.Max(Math.Max(one, other), Math.Min(distance + (one + other) / 2, Over))) - halves, 0);
             return IsSpecial ? cost + Special(distance, value) : cost;
         }
@@ -82,15 +83,16 @@ namespace HapticTracer
     sealed class Body
     {
         internal int Kind;
-        internal double[] Impedance, Bending, HalfSpace, Spring;
+        internal double[] Mobility, Bending, HalfSpace, Spring;
 
         internal bool Carries { get { return Bending != null || Spring != null; } }
-        internal double At(int band, double omega, double area)
+
+        /// <summary>The mobility of a half-space under a patch.</summary>
+        internal double At(double omega, double area)
         {
-            if (HalfSpace == null) return Impedance[band];
             var driven = HalfSpace[0] + area / Math.PI;
             double damper = HalfSpace[2] * driven, spring = HalfSpace[1] * Math.Sqrt(driven) / omega;
-            return Math.Sqrt(damper * damper + spring * spring);
+            return 1 / Math.Sqrt(damper * damper + spring * spring);
         }
     }
 
@@ -105,7 +107,9 @@ namespace HapticTracer
         internal Body Body;
         internal Vector Centre = new Vector(double.NaN, 0, 0), Size = new Vector(double.NaN, 0, 0), Place;
         internal Vector X = new Vector(1, 0, 0), Y = new Vector(0, 1, 0), Z = new Vector(0, 0, 1);
-        internal int Contacts;
+        /// <summary>Whether it moves with what stands behind it, and in which rounds that changes: bits.</summary>
+        internal bool Carries;
+        internal int Due;
 
         /// <summary>Where it is: position and rotation.</summary>
         public void Move(double x, double y, double z, double qw, double qx, double qy, double qz)
@@ -119,11 +123,12 @@ namespace HapticTracer
         /// <summary>What a patch with this normal fills per area: the inverse of its width.</summary>
         internal double Across(Vector normal)
         {
+            if (double.IsNaN(Size.X)) return 0;
             double a = normal.Dot(X), b = normal.Dot(Y), c = normal.Dot(Z);
             return a * a / Math.Max(Math.Min(Size.Y, Size.Z), 0.01) + b * b / Math.Max(Math.Min(Size.Z, Size.X), 0.01) + c * c / Math.Max(Math.Min(Size.X, Size.Y), 0.01);
         }
 
-        internal double Middle { get { return Math.Max(Math.Min(Size.X, Size.Y), Math.Min(Math.Max(Size.X, Size.Y), Size.Z)); } }
+        internal double Middle { get { return double.IsNaN(Size.X) ? double.PositiveInfinity : Math.Max(Math.Min(Size.X, Size.Y), Math.Min(Math.Max(Size.X, Size.Y), Size.Z)); } }
 
         internal Vector Turned(Vector v) { return X * v.X + Y * v.Y + Z * v.Z; }
         public Vector ToWorld(Vector local) { return Place + Turned(local); }
@@ -221,6 +226,7 @@ namespace HapticTracer
         /// <summary>The samples of the last step; there may be room for more behind them.</summary>
         public float[] Samples = new float[0];
         internal float[] Recent;
+        internal double Sum, Energy;
         internal int Node;
     }
 
@@ -231,21 +237,16 @@ namespace HapticTracer
         public Signal[] Signals;
     }
 
-    sealed class Contact
+    /// <summary>Two objects that touch. What is not known is left as it is: no area is a point.</summary>
+    public sealed class Contact
     {
-        internal int One, Other, Node, OtherNode;
-        internal Vector At, OtherAt, Normal;
+        public Vector At, OtherAt, Normal;
+        public double Area, Depth, Force = double.NaN, Weight = 1;
+        internal int One, Other, Number, Node, OtherNode;
+        internal Function Function;
+        internal bool Stays;
         // Of one that stays: in the spaces of the objects.
         internal Vector Near, OtherNear, NormalNear;
-        internal double Area, Depth, Force = double.NaN, Weight = 1;
-        internal Function Function;
-        internal bool ByBodies;
-        // By side and band: impedances, mobilities as they carry others, those of the round before, flexibilities, gains.
-        internal readonly double[] Z = new double[12], M = new double[12], Before = new double[12], F = new double[12], Gains = new double[12];
-        // By side and lane: the cost of leaving, NaN if it is not known yet.
-        internal double[] Crossing;
-
-        internal int On(int on) { return on == 0 ? One : Other; }
     }
 
     struct Voice
@@ -277,19 +278,25 @@ namespace HapticTracer
         readonly List<Contact> contacts = new List<Contact>();
         readonly Stack<Contact> spare = new Stack<Contact>();
         readonly Stack<Source> spareBlows = new Stack<Source>();
-        readonly Dictionary<long, int> pairs = new Dictionary<long, int>();
+        readonly HashSet<long> staying = new HashSet<long>();
         readonly List<Voice> voices = new List<Voice>();
-        readonly double[] omega = new double[Bands], best = new double[Bands], second = new double[Bands], costs;
-        readonly int[] bestNode = new int[Bands];
-        int staying, recentPlace, recentCount;
+        readonly double[] omega = new double[Bands], costs;
+        int recentPlace, recentCount;
         double part;
         bool isSpecial;
 
         // Nodes, sorted by object.
-        int[] start = new int[1], owner = new int[0], partner, side, entry;
+        TracedObject[] on = new TracedObject[0];
+        int[] start = new int[1], owner = new int[0], partner, entry;
         double[] x, y, z, reach, run, half, arrival;
         bool[] settled, listens;
         Contact[] contact;
+        // Of leaving over the contact of a node: by lane the cost, NaN if it is not known yet; whether it is by bodies, and by what
+        // stands behind these; by band their mobilities alone, and as they carry others. Of the contact 1 / weight and 1 / stiffness,
+        // and the square of its distance beside the body's middle.
+        readonly double[][] crossing, own = new double[Bands][], mobility = new double[Bands][];
+        bool[] byBodies, carried;
+        double[] opening, compliance, aside, flexible, across, round;
         // A heap of entries.
         double[] keys = new double[64];
         int[] values = new int[64];
@@ -300,48 +307,31 @@ namespace HapticTracer
             Lanes = lanes;
             SampleRate = sampleRate;
             costs = new double[lanes];
+            crossing = new double[lanes][];
             Between = new[] { new[] { new Function(0, 0, lanes) } };
             Impacts = new[] { new[] { new Impact { LeastEnergy = 0.05, Signals = new[] { Signal.Tone(150, 0.03, sampleRate) } } } };
         }
 
-        /// <summary>Two objects touch, as they do until they part. What is not known is left out: no area is a point.</summary>
-        public void Touch(int one, int other, Vector at, Vector otherAt, Vector normal, double area = 0, double force = double.NaN, double depth = 0, double weight = 1)
+        /// <summary>Two objects touch, until they part. Keep the contact up to date; null if the file says where they touch.</summary>
+        public Contact Touch(int one, int other)
         {
-            int place;
-            var key = Key(one, other);
-            if (!pairs.TryGetValue(key, out place)) pairs[key] = place = Add(spare.Count > 0 ? spare.Pop() : new Contact());
-            if (place < staying) return;
-            var touching = contacts[place];
-            touching.One = one;
-            touching.Other = other;
-            touching.At = at;
-            touching.OtherAt = otherAt;
-            touching.Normal = normal;
-            touching.Area = area;
-            touching.Force = force;
-            touching.Depth = depth;
-            touching.Weight = weight;
-            touching.Function = Between[Objects[one].Class][Objects[other].Class];
+            if (staying.Contains(Key(one, other))) return null;
+            var added = spare.Count > 0 ? spare.Pop() : new Contact();
+            added.One = one;
+            added.Other = other;
+            added.Function = Between[Objects[one].Class][Objects[other].Class];
+            added.Number = contacts.Count;
+            contacts.Add(added);
+            return added;
         }
 
         /// <summary>Two objects touch no more.</summary>
-        public void Part(int one, int other)
+        public void Part(Contact parted)
         {
-            int place;
-            var key = Key(one, other);
-            if (!pairs.TryGetValue(key, out place) || place < staying) return;
             var last = contacts[contacts.Count - 1];
-            spare.Push(contacts[place]);
-            contacts[place] = last;
-            pairs[Key(last.One, last.Other)] = place;
+            contacts[last.Number = parted.Number] = last;
             contacts.RemoveAt(contacts.Count - 1);
-            pairs.Remove(key);
-        }
-
-        /// <summary>Nothing touches but what stays.</summary>
-        public void PartAll()
-        {
-            while (contacts.Count > staying) Part(contacts[contacts.Count - 1].One, contacts[contacts.Count - 1].Other);
+            spare.Push(parted);
         }
 
         /// <summary>The energy in joules of a blow at a speed along the normal.</summary>
@@ -402,25 +392,12 @@ namespace HapticTracer
         /// <summary>The level of the last quarter second of a listener in decibels, NaN for silence.</summary>
         public double Level(int listener)
         {
-            double sum = 0, energy = 0;
-            var recent = Listeners[listener].Recent;
-            for (var i = 0; i < recentCount; i++)
-            {
-                sum += recent[i];
-                energy += recent[i] * recent[i];
-            }
-            energy -= sum * sum / recent.Length;
-            return energy > 1e-12 * recentCount ? 10 * Math.Log10(energy / recentCount) : double.NaN;
+            var felt = Listeners[listener];
+            var energy = felt.Energy - felt.Sum * felt.Sum / (SampleRate / 4);
+            return energy > 1e-10 * recentCount ? 10 * Math.Log10(energy / recentCount) : double.NaN;
         }
 
         static long Key(int one, int other) { return (long)Math.Min(one, other) << 32 | (uint)Math.Max(one, other); }
-
-        int Add(Contact added)
-        {
-            contacts.Add(added);
-            if (added.Crossing == null) added.Crossing = new double[2 * Lanes];
-            return contacts.Count - 1;
-        }
 
         void End(Source blow)
         {
@@ -434,12 +411,13 @@ namespace HapticTracer
 
         void Number()
         {
+            if (on.Length != Objects.Count) on = new TracedObject[Objects.Count];
+            Objects.CopyTo(on);
             if (start.Length != Objects.Count + 1) start = new int[Objects.Count + 1];
             Array.Clear(start, 0, start.Length);
-            for (var i = 0; i < contacts.Count; i++)
+            foreach (var touching in contacts)
             {
-                var touching = contacts[i];
-                if (i < staying)
+                if (touching.Stays)
                 {
                     touching.At = Objects[touching.One].ToWorld(touching.Near);
                     touching.OtherAt = Objects[touching.Other].ToWorld(touching.OtherNear);
@@ -448,7 +426,7 @@ namespace HapticTracer
                 start[touching.One]++;
                 start[touching.Other]++;
             }
-            for (var i = 0; i < Objects.Count; i++) Objects[i].Contacts = start[i];
+            for (var i = 0; i < Objects.Count; i++) Objects[i].Carries = start[i] > 1 && Objects[i].Body != null && Objects[i].Body.Carries;
             foreach (var source in Sources) start[source.On]++;
             foreach (var blow in Blows)
             {
@@ -461,8 +439,8 @@ namespace HapticTracer
             // Filled from the end of each object's nodes, so that its start is what is left.
             foreach (var touching in contacts)
             {
-                touching.Node = Node(touching.One, touching.At, touching, 0);
-                touching.OtherNode = Node(touching.Other, touching.OtherAt, touching, 1);
+                touching.Node = Node(touching.One, touching.At, touching);
+                touching.OtherNode = Node(touching.Other, touching.OtherAt, touching);
                 partner[touching.Node] = touching.OtherNode;
                 partner[touching.OtherNode] = touching.Node;
                 Front(touching);
@@ -487,7 +465,6 @@ namespace HapticTracer
             count += count / 2;
             owner = new int[count];
             partner = new int[count];
-            side = new int[count];
             entry = new int[count];
             x = new double[count];
             y = new double[count];
@@ -499,15 +476,28 @@ namespace HapticTracer
             settled = new bool[count];
             listens = new bool[count];
             contact = new Contact[count];
+            byBodies = new bool[count];
+            carried = new bool[count];
+            opening = new double[count];
+            compliance = new double[count];
+            aside = new double[count];
+            flexible = new double[count];
+            across = new double[count];
+            round = new double[count];
+            for (var lane = 0; lane < Lanes; lane++) crossing[lane] = new double[count];
+            for (var band = 0; band < Bands; band++)
+            {
+                own[band] = new double[count];
+                mobility[band] = new double[count];
+            }
         }
 
-        int Node(int on, Vector at, Contact of = null, int ofSide = 0)
+        int Node(int number, Vector at, Contact of = null)
         {
-            var node = --start[on];
-            owner[node] = on;
+            var node = --start[number];
+            owner[node] = number;
             partner[node] = -1;
             contact[node] = of;
-            side[node] = ofSide;
             x[node] = at.X;
             y[node] = at.Y;
             z[node] = at.Z;
@@ -520,168 +510,152 @@ namespace HapticTracer
         void Front(Contact touching)
         {
             if (touching.Area == 0) return;
-            double wide = 0, most = Infinite;
-            for (var on = 0; on < 2; on++)
-            {
-                var item = Objects[touching.On(on)];
-                if (double.IsNaN(item.Size.X)) continue;
-                wide = Math.Max(wide, item.Across(touching.Normal));
-                most = Math.Min(most, 2 * item.Middle);
-            }
-            var patch = Math.Min(Math.Max(Math.Sqrt(touching.Area), touching.Area * wide), most);
-            for (var on = 0; on < 2; on++)
-            {
-                var function = Objects[touching.On(on)].Function;
-                var node = on == 0 ? touching.Node : touching.OtherNode;
-                run[node] = Math.Max(patch - function.Point, 0);
-                if (run[node] > 0) half[node] = function.Spread(run[node]) / 2;
-            }
+            TracedObject one = Objects[touching.One], other = Objects[touching.Other];
+            var wide = Math.Max(one.Across(touching.Normal), other.Across(touching.Normal));
+            var patch = Math.Min(Math.Max(Math.Sqrt(touching.Area), touching.Area * wide), 2 * Math.Min(one.Middle, other.Middle));
+            Front(touching.Node, one.Function, patch);
+            Front(touching.OtherNode, other.Function, patch);
+        }
+
+        void Front(int node, Function function, double patch)
+        {
+            run[node] = Math.Max(patch - function.Point, 0);
+            if (run[node] > 0) half[node] = function.Spread(run[node]) / 2;
         }
 
         // What contacts pass on by the impedances of their bodies.
 
         void PassOn()
         {
+            var count = start[on.Length];
+            foreach (var row in crossing) for (var node = 0; node < count; node++) row[node] = double.NaN;
+            for (var node = 0; node < count && Lanes > 1; node++)
+            {
+                var body = on[owner[node]].Body;
+                if (contact[node] == null) continue;
+                for (var band = 0; band < Bands; band++)
+                    own[band][node] = body == null ? 0 : body.HalfSpace == null ? body.Mobility[band] : body.At(omega[band], contact[node].Area);
+            }
             var isCarried = false;
-            foreach (var touching in contacts)
+            for (var node = 0; node < count; node++)
             {
-                for (var i = 0; i < touching.Crossing.Length; i++) touching.Crossing[i] = double.NaN;
-                Body one = Objects[touching.One].Body, other = Objects[touching.Other].Body;
-                var spring = touching.Function.Spring;
-                touching.ByBodies = Lanes > 1 && spring != null && one != null && other != null && (one.Kind != other.Kind || spring[0] < Infinite);
-                if (Lanes == 1) continue;
-                for (var band = 0; band < Bands; band++)
+                byBodies[node] = carried[node] = false;
+                if (Lanes == 1 || contact[node] == null) continue;
+                TracedObject item = on[owner[node]], over = on[owner[partner[node]]];
+                var spring = contact[node].Function.Spring;
+                opening[node] = 1 / Math.Max(contact[node].Weight, 1e-12);
+                compliance[node] = spring == null ? 0 : 1 / spring[0];
+                byBodies[node] = spring != null && item.Body != null && over.Body != null && (item.Body.Kind != over.Body.Kind || spring[0] < Infinite);
+                if (!byBodies[node] || !item.Carries) continue;
+                // What is heavier than its load in all bands passes everything anyway.
+                var isLight = IsSoft(node);
+                for (var band = 0; band < Bands; band++) isLight |= own[band][node] > own[band][partner[node]];
+                carried[node] = isLight;
+                isCarried |= isLight;
+            }
+            if (!isCarried) return;
+            for (var o = 0; o < on.Length; o++)
+            {
+                if (!on[o].Carries) continue;
+                var middle = on[o].ToWorld(on[o].Centre);
+                for (int node = start[o], end = start[o + 1]; node < end; node++)
                 {
-                    touching.Z[band] = one == null ? Infinite : one.At(band, omega[band], touching.Area);
-                    touching.Z[Bands + band] = other == null ? Infinite : other.At(band, omega[band], touching.Area);
+                    if (contact[node] == null) continue;
+                    var n = contact[node].Normal;
+                    double dx = x[node] - middle.X, dy = y[node] - middle.Y, dz = z[node] - middle.Z;
+                    double a = dy * n.Z - dz * n.Y, b = dz * n.X - dx * n.Z, c = dx * n.Y - dy * n.X;
+                    aside[node] = double.IsNaN(dx) ? Infinite : Math.Max(a * a + b * b + c * c, 1e-12);
                 }
-                isCarried |= touching.ByBodies && (IsCarried(touching, 0) || IsCarried(touching, 1));
             }
-            if (isCarried) Carry();
-            foreach (var touching in contacts)
-            {
-                if (!touching.ByBodies) continue;
-                Pass(touching, 0);
-                Pass(touching, 1);
-            }
+            for (var band = 0; band < Bands; band++) Carry(band);
         }
 
-        bool IsSoft(Contact touching, int on) { return touching.Function.Spring[0] < Infinite || Objects[touching.On(on)].Body.Spring != null; }
+        bool IsSoft(int node) { return compliance[node] > 0 || on[owner[node]].Body.Spring != null; }
 
-        bool Carries(TracedObject item) { return item.Contacts > 1 && item.Body != null && item.Body.Carries; }
-
-        /// <summary>Whether a body drives another with what stands behind it: one that is heavier in all bands passes everything anyway.</summary>
-        bool IsCarried(Contact touching, int on)
+        /// <summary>The mobilities in a band with which small bodies drive others: those of what stands behind them, through some in a row.</summary>
+        void Carry(int band)
         {
-            if (!Carries(Objects[touching.On(on)])) return false;
-            var needs = IsSoft(touching, on);
-            for (var band = 0; band < Bands; band++) needs |= touching.Z[on * Bands + band] < touching.Z[(1 - on) * Bands + band];
-            return needs;
-        }
-
-        void Pass(Contact touching, int on)
-        {
-            double hard = touching.Function.Spring[0], loss = touching.Function.Spring[1];
-            bool isCarried = IsCarried(touching, on), isSoft = IsSoft(touching, on);
-            if (isSoft && hard == Infinite) loss = Objects[touching.On(on)].Body.Spring[1];
-            for (var band = 0; band < Bands; band++)
+            double[] before = round, now = mobility[band], alone = own[band], open = opening, away = flexible, over = across;
+            var other = partner;
+            for (var o = 0; o < on.Length; o++)
             {
-                var place = on * Bands + band;
-                double load = touching.Z[(1 - on) * Bands + band], mobility = isCarried ? touching.M[place] : 1 / touching.Z[place];
-                if (!isSoft)
+                on[o].Due = 1;
+                var spring = on[o].Carries ? on[o].Body.Spring : null;
+                for (int node = start[o], end = start[o + 1]; node < end; node++)
                 {
-                    touching.Gains[place] = Math.Min(2 / (1 + load * mobility), 1);
-                    continue;
+                    before[node] = now[node] = spring == null ? alone[node] : Infinite;
+                    if (!on[o].Carries) continue;
+                    away[node] = spring == null ? aside[node] / on[o].Body.Bending[band] : omega[band] / (2 * spring[0]);
+                    over[node] = away[node] + omega[band] * compliance[node];
                 }
-                double above = Math.Max(load * (mobility + omega[band] / hard), 2) - 1, square = loss * loss;
-                touching.Gains[place] = Math.Sqrt((1 + square) / (above * above + square));
             }
-        }
-
-        /// <summary>The mobilities with which small bodies drive others: those of what stands behind them, through some in a row.</summary>
-        void Carry()
-        {
-            foreach (var touching in contacts)
-                for (var on = 0; on < 2; on++)
+            for (var link = 0; link < Chain; link++)
+            {
+                var swapped = before;
+                before = now;
+                now = swapped;
+                for (var o = 0; o < on.Length; o++)
                 {
-                    var item = Objects[touching.On(on)];
-                    var place = on == 0 ? touching.At : touching.OtherAt;
-                    var carries = Carries(item);
-                    var aside = (place - item.ToWorld(item.Centre)).Cross(touching.Normal);
-                    var square = double.IsNaN(aside.X) ? Infinite : Math.Max(aside.Dot(aside), 1e-12);
-                    for (var i = on * Bands; i < (on + 1) * Bands; i++)
+                    int first = start[o], end = start[o + 1], least = -1;
+                    var item = on[o];
+                    if (!item.Carries) continue;
+                    if ((item.Due >> link & 1) == 0)
                     {
-                        touching.M[i] = Least(item, touching, i);
-                        if (!carries) continue;
-                        touching.F[i] = item.Body.Spring != null ? omega[i % Bands] / (2 * item.Body.Spring[0]) : square / item.Body.Bending[i % Bands];
+                        for (var node = first; node < end; node++) now[node] = before[node];
+                        continue;
+                    }
+                    double best = Infinite, second = Infinite;
+                    for (var node = first; node < end; node++)
+                    {
+                        var beyond = other[node];
+                        if (beyond < 0) continue;
+                        var behind = open[node] * (before[beyond] + over[node]);
+                        if (behind >= second) continue;
+                        second = behind < best ? best : behind;
+                        if (behind >= best) continue;
+                        best = behind;
+                        least = node;
+                    }
+                    var isSpring = item.Body.Spring != null;
+                    for (var node = first; node < end; node++)
+                    {
+                        var driving = away[node] + (node == least ? second : best);
+                        if (!isSpring && driving > alone[node]) driving = alone[node];
+                        now[node] = driving;
+                        if (driving != before[node] && other[node] >= 0) on[owner[other[node]]].Due |= 2 << link;
                     }
                 }
-            for (var round = 0; round < Chain; round++)
-            {
-                foreach (var touching in contacts) Array.Copy(touching.M, touching.Before, 2 * Bands);
-                for (var o = 0; o < Objects.Count; o++) if (Carries(Objects[o])) Carry(o);
             }
         }
 
-        double Least(TracedObject item, Contact touching, int place)
+        /// <summary>The gain of leaving through a node by the impedances of the bodies.</summary>
+        double Passed(int node, int band)
         {
-            return item.Contacts > 1 && item.Body != null && item.Body.Spring != null ? Infinite : 1 / touching.Z[place];
+            double load = own[band][partner[node]], driving = carried[node] ? mobility[band][node] : own[band][node];
+            if (!IsSoft(node)) return Math.Min(2 / (1 + driving / load), 1);
+            var loss = compliance[node] > 0 ? contact[node].Function.Spring[1] : on[owner[node]].Body.Spring[1];
+            double above = Math.Max((driving + omega[band] * compliance[node]) / load, 2) - 1, square = loss * loss;
+            return Math.Sqrt((1 + square) / (above * above + square));
         }
 
-        void Carry(int number)
+        /// <summary>The cost of leaving an object through a node.</summary>
+        double Crossing(int node, int lane)
         {
-            for (var band = 0; band < Bands; band++)
-            {
-                best[band] = second[band] = Infinite;
-                bestNode[band] = -1;
-            }
-            for (var node = start[number]; node < start[number + 1]; node++)
-            {
-                var touching = contact[node];
-                if (touching == null) continue;
-                var hard = touching.Function.Spring == null ? Infinite : touching.Function.Spring[0];
-                var opening = 1 / Math.Max(touching.Weight, 1e-12);
-                for (var band = 0; band < Bands; band++)
-                {
-                    var place = side[node] * Bands + band;
-                    var behind = opening * (touching.Before[(1 - side[node]) * Bands + band] + touching.F[place] + omega[band] / hard);
-                    if (behind < best[band])
-                    {
-                        second[band] = best[band];
-                        best[band] = behind;
-                        bestNode[band] = node;
-                    }
-                    else if (behind < second[band]) second[band] = behind;
-                }
-            }
-            for (var node = start[number]; node < start[number + 1]; node++)
-            {
-                var touching = contact[node];
-                if (touching == null) continue;
-                for (var band = 0; band < Bands; band++)
-                {
-                    var place = side[node] * Bands + band;
-                    var others = bestNode[band] == node ? second[band] : best[band];
-                    touching.M[place] = Math.Min(Least(Objects[number], touching, place), touching.F[place] + others);
-                }
-            }
-        }
-
-        /// <summary>The cost of leaving an object over a contact.</summary>
-        double Crossing(Contact touching, int on, int lane)
-        {
-            var known = touching.Crossing[on * Lanes + lane];
+            var known = crossing[lane][node];
             if (!double.IsNaN(known)) return known;
+            var touching = contact[node];
             var function = touching.Function;
-            var distance = (touching.At - touching.OtherAt).Length;
-            var cost = function.Loss[lane] + function.Decay[lane] * distance + function.Shape(distance, Value(touching, distance), 0, 0, 0) - Math.Log(touching.Weight);
-            if (touching.ByBodies)
+            int from = touching.Node, to = touching.OtherNode;
+            double cost = function.Loss[lane], distance = x[from] == x[to] && y[from] == y[to] && z[from] == z[to] ? 0 : Distance(from, to);
+            if (distance > 0 || function.IsSpecial) cost += function.Decay[lane] * distance + function.Shape(distance, Value(touching, distance), 0, 0, 0);
+            if (touching.Weight < 1) cost -= Math.Log(touching.Weight);
+            if (byBodies[node])
             {
-                var gain = lane > 0 ? touching.Gains[on * Bands + lane - 1] : 0;
-                for (var band = 0; band < Bands && lane == 0; band++) gain = Math.Max(gain, touching.Gains[on * Bands + band]);
+                var gain = lane > 0 ? Passed(node, lane - 1) : 0;
+                for (var band = 0; band < Bands && lane == 0; band++) gain = Math.Max(gain, Passed(node, band));
                 cost -= Math.Log(gain);
             }
-            return touching.Crossing[on * Lanes + lane] = cost;
+            return crossing[lane][node] = cost;
         }
 
         static double Value(Contact touching, double distance)
@@ -753,37 +727,39 @@ namespace HapticTracer
             size = 0;
             Push(0, source.Node);
             if (source.SecondNode != source.Node) Push(0, source.SecondNode);
+            double[] leaving = crossing[lane], u = x, v = y, w = z, to = arrival, fronts = run, halves = half, balls = reach;
             while (size > 0 && keys[0] <= limit)
             {
                 var near = keys[0];
                 var begin = values[0];
                 Pop();
-                var on = owner[begin];
-                var function = Objects[on].Function;
+                var number = owner[begin];
+                var function = on[number].Function;
                 near += function.Loss[lane];
-                if (settled[begin] || arrival[begin] <= near && !isSpecial) continue;
+                if (settled[begin] || to[begin] <= near && !isSpecial) continue;
                 settled[begin] = true;
-                var decay = function.Decay[lane];
+                double decay = function.Decay[lane], x0 = u[begin], y0 = v[begin], z0 = w[begin], ball = balls[begin];
                 var isNearer = false;
-                for (int end = start[on], last = start[on + 1]; end < last; end++)
+                for (int end = start[number], last = start[number + 1]; end < last; end++)
                 {
-                    if (end == begin) continue;
-                    var distance = Distance(begin, end);
+                    if (end == begin || to[end] <= near) continue;
+                    double dx = u[end] - x0, dy = v[end] - y0, dz = w[end] - z0;
+                    var distance = Math.Max(Math.Sqrt(dx * dx + dy * dy + dz * dz) - ball - balls[end], 0);
                     var far = near + decay * distance;
-                    if (far >= arrival[end]) continue;
-                    far += function.Shape(distance, distance, run[begin], run[end], half[begin] + half[end]);
-                    if (far >= arrival[end]) continue;
-                    arrival[end] = far;
+                    if (far >= to[end]) continue;
+                    far += function.Shape(distance, distance, fronts[begin], fronts[end], halves[begin] + halves[end]);
+                    if (far >= to[end]) continue;
+                    to[end] = far;
                     entry[end] = begin;
                     isNearer |= listens[end];
                     var over = partner[end];
                     if (over < 0) continue;
-                    far += Crossing(contact[end], side[end], lane);
-                    if (far <= limit && (isSpecial || far + Objects[owner[over]].Function.Loss[lane] < arrival[over])) Push(far, over);
+                    far += double.IsNaN(leaving[end]) ? Crossing(end, lane) : leaving[end];
+                    if (far <= limit && (isSpecial || far + on[owner[over]].Function.Loss[lane] < to[over])) Push(far, over);
                 }
                 if (!isNearer) continue;
                 var dearest = 0.0;
-                foreach (var listener in Listeners) dearest = Math.Max(dearest, arrival[listener.Node]);
+                foreach (var listener in Listeners) dearest = Math.Max(dearest, to[listener.Node]);
                 limit = Math.Min(limit, dearest);
             }
         }
@@ -816,7 +792,7 @@ namespace HapticTracer
                     node = partner[begin];
                     if (node < 0) break;
                     var touching = contact[begin];
-                    for (var lane = 0; lane < Lanes; lane++) costs[lane] += Crossing(touching, side[node], lane);
+                    for (var lane = 0; lane < Lanes; lane++) costs[lane] += Crossing(node, lane);
                     late += touching.Function.Slowness * (touching.At - touching.OtherAt).Length;
                 }
                 path.Reverse();
@@ -833,30 +809,33 @@ namespace HapticTracer
                 Array.Resize(ref keys, 2 * size);
                 Array.Resize(ref values, 2 * size);
             }
+            var costs = keys;
+            var nodes = values;
             var place = size++;
-            for (int above; place > 0 && keys[above = (place - 1) / 2] > key; place = above)
+            for (int above; place > 0 && costs[above = (place - 1) >> 1] > key; place = above)
             {
-                keys[place] = keys[above];
-                values[place] = values[above];
+                costs[place] = costs[above];
+                nodes[place] = nodes[above];
             }
-            keys[place] = key;
-            values[place] = value;
+            costs[place] = key;
+            nodes[place] = value;
         }
 
         void Pop()
         {
-            var key = keys[--size];
-            var value = values[size];
-            var place = 0;
-            for (int below; (below = 2 * place + 1) < size; place = below)
+            var costs = keys;
+            var nodes = values;
+            var key = costs[--size];
+            int place = 0, count = size;
+            for (int below; (below = 2 * place + 1) < count; place = below)
             {
-                if (below + 1 < size && keys[below + 1] < keys[below]) below++;
-                if (keys[below] >= key) break;
-                keys[place] = keys[below];
-                values[place] = values[below];
+                if (below + 1 < count && costs[below + 1] < costs[below]) below++;
+                if (costs[below] >= key) break;
+                costs[place] = costs[below];
+                nodes[place] = nodes[below];
             }
-            keys[place] = key;
-            values[place] = value;
+            costs[place] = key;
+            nodes[place] = nodes[count];
         }
 
         // Samples.
@@ -889,14 +868,17 @@ namespace HapticTracer
                 voice.Source.Voices--;
             }
             for (var i = Blows.Count - 1; i >= 0; i--) if (Blows[i].Voices == 0) End(Blows[i]);
-            for (var l = 0; l < Listeners.Count; l++)
+            foreach (var felt in Listeners)
             {
-                var samples = Listeners[l].Samples;
-                var most = (float)Listeners[l].SMax;
+                var samples = felt.Samples;
+                var most = (float)felt.SMax;
                 for (var i = 0; i < Count; i++)
                 {
-                    samples[i] = Math.Max(-most, Math.Min(samples[i], most));
-                    Listeners[l].Recent[(recentPlace + i) % window] = samples[i];
+                    var place = (recentPlace + i) % window;
+                    double sample = Math.Max(-most, Math.Min(samples[i], most)), old = felt.Recent[place];
+                    samples[i] = felt.Recent[place] = (float)sample;
+                    felt.Sum += sample - old;
+                    felt.Energy += sample * sample - old * old;
                 }
             }
             recentPlace = (recentPlace + Count) % window;
@@ -973,16 +955,16 @@ namespace HapticTracer
                 if (row.ContainsKey("body"))
                 {
                     var body = (Dictionary<string, object>)row["body"];
-                    item.Body = new Body { Kind = Whole(body["kind"]), Impedance = Numbers(body["impedance"]), Bending = Numbers(Get(body, "bending")), HalfSpace = Numbers(Get(body, "half_space")), Spring = Numbers(Get(body, "spring")) };
+                    item.Body = new Body { Kind = Whole(body["kind"]), Mobility = Array.ConvertAll(Numbers(body["impedance"]), value => 1 / value), Bending = Numbers(Get(body, "bending")), HalfSpace = Numbers(Get(body, "half_space")), Spring = Numbers(Get(body, "spring")) };
                 }
                 tracer.Objects.Add(item);
             }
             foreach (Dictionary<string, object> row in List(file["contacts"]))
             {
                 List<object> objects = List(row["objects"]), places = List(row["positions"]);
-                var added = new Contact { One = Whole(objects[0]), Other = Whole(objects[1]), Near = Vector(places[0]), OtherNear = Vector(places[1]), NormalNear = Vector(row["normal"]), Area = (double)row["area"], Depth = (double)row["depth"], Weight = (double)row["weight"], Function = functions[Whole(row["function"])] };
-                tracer.pairs[Key(added.One, added.Other)] = tracer.Add(added);
-                tracer.staying++;
+                var added = new Contact { One = Whole(objects[0]), Other = Whole(objects[1]), Near = Vector(places[0]), OtherNear = Vector(places[1]), NormalNear = Vector(row["normal"]), Area = (double)row["area"], Depth = (double)row["depth"], Weight = (double)row["weight"], Function = functions[Whole(row["function"])], Stays = true };
+                tracer.contacts.Add(added);
+                tracer.staying.Add(Key(added.One, added.Other));
             }
             foreach (Dictionary<string, object> row in List(file["sources"]))
                 tracer.Sources.Add(new Source { Name = (string)row["name"], On = Whole(row["object"]), Position = Vector(row["position"]), Amplitude = (double)row["amplitude"], Once = (bool)row["once"], Signal = signals[Whole(row["signal"])] });

@@ -13,12 +13,14 @@ static class Judge
     static void Main()
     {
         Tracer tracer = null;
+        var contacts = new List<Contact>();
         for (string line; (line = Console.ReadLine()) != null;)
         {
             var words = line.Split(' ');
             if (words[0] == "read")
             {
                 tracer = Tracer.Read(File.ReadAllText(line.Substring(5)));
+                contacts.Clear();
                 continue;
             }
             var n = words.Skip(1).Select(word => double.Parse(word, CultureInfo.InvariantCulture)).ToArray();
@@ -26,8 +28,22 @@ static class Judge
             switch (words[0])
             {
                 case "move": tracer.Objects[first].Move(n[1], n[2], n[3], n[4], n[5], n[6], n[7]); break;
-                case "touch": tracer.Touch(first, second, At(n, 2), At(n, 5), At(n, 8), n[11], n[12], n[13], n[14]); break;
-                case "part": tracer.PartAll(); break;
+                case "touch":
+                    var contact = tracer.Touch(first, second);
+                    if (contact == null) break;
+                    contacts.Add(contact);
+                    contact.At = At(n, 2);
+                    contact.OtherAt = At(n, 5);
+                    contact.Normal = At(n, 8);
+                    contact.Area = n[11];
+                    contact.Force = n[12];
+                    contact.Depth = n[13];
+                    contact.Weight = n[14];
+                    break;
+                case "part":
+                    contacts.ForEach(tracer.Part);
+                    contacts.Clear();
+                    break;
                 case "amplitude": tracer.Sources[first].Amplitude = n[1]; break;
                 case "source": tracer.Sources[first].Position = tracer.Objects[tracer.Sources[first].On].ToLocal(At(n, 1)); break;
                 case "listener": tracer.Listeners[first].Position = tracer.Objects[tracer.Listeners[first].On].ToLocal(At(n, 1)); break;
