@@ -51,12 +51,8 @@ def walls(count: int) -> ht.Scene:
         )
     far = np.linspace(1, count - 1, 14).round().astype(int).tolist()
     ends = [
-        {
-            "name": f"end {k}",
-            "object": names[number],
-            "position": objects[number]["pose"]["position"],
-        }
-        for k, number in enumerate(far)
+        {"name": f"end {k}", "object": item["name"], "position": item["pose"]["position"]}
+        for k, item in enumerate(objects[number] for number in far)
     ]
     signals = [{"signal": "sine", "frequency": f} for f in (40, 80, 160, 250)]
     sources = [{**end, "signal": signal} for end, signal in zip(ends[::4], signals, strict=False)]
