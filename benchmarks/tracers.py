@@ -13,6 +13,7 @@ from pathlib import Path
 
 import haptic_tracing as ht
 import numpy as np
+from haptic_tracing.core.forms import JsonObject
 from haptic_tracing.plugins.engine import tables
 
 ROOT = Path(__file__).parents[1]
@@ -23,7 +24,7 @@ WIDE = 10
 
 def walls(count: int) -> ht.Scene:
     """``count`` objects: a ground, and walls on it in which each brick lies on two."""
-    objects = [
+    objects: list[JsonObject] = [
         {
             "name": "ground",
             "material": "concrete",
