@@ -25,7 +25,7 @@ from ..scene_reader.problem import Problem, why_untraced
 from ..scene_reader.reader import SceneReader
 from . import session
 
-_MOTION_FRAMES = 5
+_MOTION_FRAMES = 6
 """Poses that motion is estimated from, and the one that they lead to."""
 
 

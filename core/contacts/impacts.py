@@ -256,7 +256,8 @@ def confirmed(hits: Hits, paths: Paths, tolerance: FloatArray) -> BoolArray:
     up to gaps of ``tolerance`` (k,) [m].
 
     Where a hit leaves enough time to show, the bodies must be further apart than on their paths, or
-    deep in each other, or have passed through each other; otherwise they must touch. Of several
+    deep in each other, or have passed through each other; otherwise they must touch. What may have
+    braked before it touched strikes only where it touches, or something else moves. Of several
     hits of one body the first counts, and later ones only if those bodies touch as well, unless the
     body's path is certain.
     """
@@ -268,6 +269,12 @@ def confirmed(hits: Hits, paths: Paths, tolerance: FloatArray) -> BoolArray:
     real = (hits.approach > SLOWEST) & (
         (shows & stopped) | (~shows & touching) | deep | hits.passes
     )
+    # Where what braked is still apart, the motion of the other body must show the hit.
+    both = hits.pairs
+    still = (paths.start[:, both] == paths.end[:, both]).all(axis=0)
+    eased = (paths.eased[both] | paths.certain[both] | still).all(axis=1)
+    eased &= paths.eased[both].any(axis=1) & (hits.actual > _VISIBLE)
+    real &= ~eased
     deflected: dict[int, float] = dict.fromkeys(np.flatnonzero(paths.turned).tolist(), -np.inf)
     for k in np.lexsort((hits.pairs[:, 1], hits.pairs[:, 0], hits.after)).tolist():
         if not real[k]:

@@ -100,6 +100,7 @@ class Limbs:
             poses: (12, n) of the bodies in these frames.
         """
         found = []
+        times, poses = times[-_FRAMES:], poses[-_FRAMES:]
         for pair in pairs.tolist():
             for number, other in (pair, pair[::-1]):
                 skin = self._skins.get(bodies[number].name, _Skin())

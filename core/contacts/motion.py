@@ -21,7 +21,7 @@ from ..arrays import BoolArray, FloatArray, IntArray, carried
 from ..frozen import frozen
 from .narrow.frames import dot, product
 
-_DEPTH = 3
+_DEPTH = 4
 """Number of poses stored before the current one."""
 
 _PLAUSIBLE = 2.5
@@ -35,6 +35,9 @@ hit."""
 _STOPPED, _STEADY = 0.1, 0.02
 """Parts of its speed by which a kinematic body is slower than if it had gone on as before, from
 which on it was stopped within the last interval, and by which it may have braked before."""
+
+_BRAKES = 2.0
+"""Multiple of the speed that a body gained in an interval before that it may lose by braking."""
 
 HITCH, PAUSE = 0.1 - 1e-9, 0.25 + 1e-9
 """Durations of an interval [s] from which on bodies count as moving straight through it, and beyond
@@ -65,6 +68,7 @@ class Paths:
         spin: (3, n) angular velocity about the origin, constant [rad/s].
         end: (12, n) actual poses at the end of the interval, which the path need not lead to.
         certain: (n,) whether the path is known throughout and has no hit.
+        eased: (n,) whether it was slowed, and may have braked without a hit.
         turned: (n,) whether a hit in the interval before deflected it.
         earlier: (12, n) poses one frame before the start.
         earlier_duration: seconds between those and the start.
@@ -79,6 +83,7 @@ class Paths:
     spin: FloatArray
     end: FloatArray
     certain: BoolArray
+    eased: BoolArray
     turned: BoolArray
     earlier: FloatArray
     earlier_duration: float
@@ -93,6 +98,7 @@ class Paths:
             "spin",
             "end",
             "certain",
+            "eased",
             "turned",
             "earlier",
             "trend",
@@ -234,7 +240,7 @@ class MotionHistory:
 
     @property
     def poses(self) -> Sequence[FloatArray]:
-        """Poses (12, n) in the last frames, at most four."""
+        """Poses (12, n) in the last frames, at most five."""
         return self._poses
 
     @property
@@ -283,22 +289,44 @@ class MotionHistory:
         found[rows] = (ways > limit**2) & ~on
         return found
 
+    def _velocities(self, rows: IntArray) -> list[FloatArray]:
+        """The velocities of bodies ``rows`` (k,), and how they turned, in the intervals between the
+        stored poses, (intervals, 3, k) each."""
+        poses = [each.take(rows, axis=1) for each in self._poses]
+        steps = np.diff(self.times).tolist()
+        return [
+            np.array([of(poses[k], poses[k + 1], step) for k, step in enumerate(steps)])
+            for of in (_travels, spins)
+        ]
+
     def _stopped(self, rows: IntArray) -> BoolArray:
         """Which bodies ``rows`` (k,), of four poses, were stopped in the last interval: they moved
         or turned without braking up to then."""
-        poses = [each.take(rows, axis=1) for each in self._poses]
         found = np.zeros(len(rows), dtype=np.bool_)
-        for velocities in (_travels, spins):
-            before, last, now = (
-                np.sqrt(_squared(velocities(poses[k], poses[k + 1], step)))
-                for k, step in enumerate(np.diff(self.times).tolist())
-            )
+        for velocities in self._velocities(rows):
+            before, last, now = np.sqrt((velocities[-3:] ** 2).sum(axis=1))
             found |= (
                 (last > _SLOW)
                 & (now - 2 * last + before < -_STOPPED * last)
                 & (last - before >= -_STEADY * last)
             )
         return found
+
+    def _eased(self, rows: IntArray) -> BoolArray:
+        """Which bodies ``rows`` (k,), of four poses, may have braked in the last interval, rather
+        than been slowed by a hit: what is carried speeds up at changing rates, and brakes so."""
+        slowed, eased = np.zeros((2, len(rows)), dtype=np.bool_)
+        for velocities in self._velocities(rows):
+            last = velocities[-2]
+            speed = np.sqrt(_squared(last))
+            *before, now = (velocities * last).sum(axis=1) / np.maximum(speed, _SLOW)
+            gains = np.diff(before, axis=0)
+            gain = gains.max(axis=0)
+            brakes = (now >= 0) & (speed - now <= _BRAKES * gain)
+            brakes &= np.ptp(gains, axis=0) > _STEADY * gain
+            eased |= brakes
+            slowed |= (speed > _SLOW) & (speed - now > _STEADY * speed) & ~brakes
+        return eased & ~slowed
 
     def _straight(self, step: float, known: float) -> Paths:
         """Paths at constant speed from pose to pose, through an interval of ``step`` seconds, after
@@ -314,6 +342,7 @@ class MotionHistory:
             np.where(moving, spins(start, end, step), 0.0),
             end,
             np.ones_like(moving),
+            np.zeros_like(moving),
             np.zeros_like(moving),
             earlier,
             known,
@@ -358,6 +387,7 @@ class MotionHistory:
             spin=carried(found.spin, before, 0.0),
             end=end,
             certain=carried(found.certain, before, False) | (kinematic & ~moving),
+            eased=carried(found.eased, before, False),
             turned=carried(found.turned, before, False),
             earlier=earlier,
             trend=carried(found.trend, before, 0.0),
@@ -423,6 +453,7 @@ class MotionHistory:
             4 * step**2 * _squared(curved) <= np.maximum(_squared(direct), _squared(chord))
         )
         moving = self.moving()
+        eased = np.zeros_like(moving)
         turning = spins(start, end, step)
         if older and (kinematic & moving).any():
             moving &= ~(kinematic & _jumps(first, chord, direct))
@@ -437,6 +468,8 @@ class MotionHistory:
             )
             turning = np.where(rests_turning, 0.0, turning)
             smooth |= rests | rests_turning
+            rows = (kinematic & moving & ~smooth).nonzero()[0]
+            eased[rows] = self._eased(rows)
         given = smooth | (~kinematic & (clean < 1))
         acceleration = np.where(moving, np.where(smooth, curved, np.where(given, 0.0, bend)), 0.0)
         velocity = np.where(moving, np.where(given, direct - acceleration * (step / 2), begin), 0.0)
@@ -450,6 +483,7 @@ class MotionHistory:
             np.where(moving, spin, 0.0),
             end,
             smooth,
+            eased,
             turned,
             earlier,
             known,

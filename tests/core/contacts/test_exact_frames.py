@@ -54,7 +54,7 @@ def test_frames_after_an_exact_one_do_not_depend_on_those_before():
     for number, (positions, gains, checksum) in later.items():
         assert whole[number][:2] == (positions, gains)
         # Motion is estimated from the last poses.
-        assert number < EXACT_FRAMES + 5 or whole[number][2] == checksum
+        assert number < EXACT_FRAMES + 6 or whole[number][2] == checksum
 
 
 def test_without_exact_frames_they_do():
