@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 from bpy.types import Object
 from numpy.typing import NDArray
 
 from ...core.arrays import BoolArray, FloatArray, IntArray
+from .linkage import Link, Linkage
 from .parented import ParentedPoses
 from .tagged import TaggedLists
 from .world_transforms import rigid_transforms
@@ -91,25 +92,18 @@ def _moved(
 
 
 def _carried(objects: list[Object]) -> dict[int, int]:
-    """By number of a tagged object that of the one that carries it. Below an untagged root, as
-    imports have it, or a bone, the first tagged one carries the others."""
-    numbers = {obj.session_uid: number for number, obj in enumerate(objects)}
-    leaders = {(uid, ""): number for uid, number in numbers.items()}
+    """By number of a tagged object that of the one that carries it: the first of its link, or that
+    of the link above. Below an untagged root, as imports have it, the first one carries all."""
+    linkage = Linkage()
+    links = [linkage.root((obj, "")) for obj in objects]
+    leaders: dict[Link | None, int] = {}
+    for number, link in enumerate(links):
+        leaders.setdefault(link, number)
     carried = {}
-    for number, obj in enumerate(objects):
-        above = _tagged_above(obj, numbers)
-        leader = number if above is None else leaders.setdefault(above, number)
-        if leader != number:
-            carried[number] = leader
+    for number, link in enumerate(links):
+        above: Link | None = link
+        while above is not None and leaders.setdefault(above, number) == number:
+            above = linkage.above(above)
+        if above is not None:
+            carried[number] = leaders[above]
     return carried
-
-
-def _tagged_above(obj: Object, tagged: Container[int]) -> tuple[int, str] | None:
-    """The session id of the nearest ancestor of an object, with the name of its bone if the object
-    is on one, that has a bone or is ``tagged``; without one, its topmost ancestor."""
-    found = None
-    while obj.parent is not None and (found is None or (found[0] not in tagged and not found[1])):
-        bone = obj.parent_bone if obj.parent_type == "BONE" else ""
-        obj = obj.parent
-        found = obj.session_uid, bone
-    return found

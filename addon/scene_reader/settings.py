@@ -17,6 +17,7 @@ from ..blender.single_precision import shortest
 from ..blender.units import metres_per_unit
 from ..properties.declared import read_values
 from .joints import joints_of
+from .linkage import constraints_of
 from .problem import Problem
 from .rules import read_tables
 
@@ -89,12 +90,10 @@ def _passing(scene: Scene) -> set[tuple[str, str]]:
     with *Disable Collisions* joins, which Blender lets pass through each other also where the
     constraint is not enabled, or broken; and what a bone carries, as a boot, and the skin that the
     bones move."""
-    group = scene.rigidbody_world and scene.rigidbody_world.constraints
-    joints = (obj.rigid_body_constraint for obj in group.all_objects) if group else ()
     joined = {
         (joint.object1.name_full, joint.object2.name_full)
-        for joint in joints
-        if joint and joint.disable_collisions and joint.object1 and joint.object2
+        for _, joint in constraints_of(scene)
+        if joint.disable_collisions
     }
     carried = [obj for obj in scene.objects if obj.parent_type == "BONE" and obj.parent]
     moving = {obj.parent for obj in carried}

@@ -13,7 +13,7 @@ from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.core.contacts.contact_set import ContactSet
 from haptic_tracing.core.contacts.tracker import ContactTracker
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 from written_scenes import read_scene
 
 
@@ -200,15 +200,16 @@ def test_a_driver_that_turns_is_a_joint_and_one_that_moves_is_none(scene, add_bo
 
 
 def test_a_part_of_a_link_has_its_joints(scene, add_box, add_empty):
-    """A hub, fixed to an arm that turns and moves, and a wheel on it that keys turn: as if they
-    were one object, whatever empties are in between."""
+    """A hub, fixed to an arm that turns and moves, and a wheel that keys turn on it about an axle
+    whose origin is further out: they conduct on the axis, in the middle of where it is in the bounds
+    of both, from 0.15 - 0.01 to 0.16 + 0.01 m, with the tolerance."""
     root = add_empty("root")
     bodies = [
         add_box("arm", (0.5, 0, 0), (1, 0.1, 0.1)),
         add_box("hub", (1, 0, 0.1), (0.1, 0.1, 0.12)),
         add_box("wheel", (1, 0, 0.18), (0.8, 0.8, 0.06)),
     ]
-    axle = add_empty("axle", (1, 0, 0.15))
+    axle = add_empty("axle", (1, 0, 0.5))
     bpy.context.view_layer.update()
     for child, parent in zip(
         (*bodies[:2], axle, bodies[2]), (root, *bodies[:2], axle), strict=True
@@ -222,7 +223,8 @@ def test_a_part_of_a_link_has_its_joints(scene, add_box, add_empty):
         assert [set(joint.objects) for joint in joints()] == [{"hub", "wheel"}]
         names = sorted(obj.name for obj in bodies)
         pairs = [{names[k] for k in pair} for pair in contacts.pairs.tolist()]
-        assert_at(axle.matrix_world.translation, contacts, pairs.index({"hub", "wheel"}))
+        place = axle.matrix_world @ Vector((0, 0, 0.155 - 0.5))
+        assert_at(place, contacts, pairs.index({"hub", "wheel"}))
 
 
 def simulated(add_box: Any, add_empty: Any, kind: str) -> tuple[Any, Any, Any]:
