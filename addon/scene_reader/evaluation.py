@@ -29,9 +29,9 @@ class Evaluation:
     names_all: bool
 
     @classmethod
-    def of(cls, depsgraph: Depsgraph, names_all: bool) -> Evaluation:
+    def of(cls, depsgraph: Depsgraph, names_all: bool, moves: bool) -> Evaluation:
         """What the updates of a depsgraph name. ``names_all``: nothing has been evaluated without
-        being named."""
+        being named. ``moves``: an edit may have moved objects on each other."""
         objects: dict[int, Object] = {}
         edited: set[int] = set()
         joints = False
@@ -46,8 +46,8 @@ class Evaluation:
                 objects[changed.session_uid] = changed
                 if changed.rigid_body_constraint:
                     joints |= not (is_moved and of_frame)
-                elif not of_frame and (changed.parent or changed.pose):
-                    joints = True
+                elif moves and is_moved and not of_frame:
+                    joints |= bool(changed.parent or changed.pose)
                 if is_reshaped:
                     edited |= _with_compounds(changed)
                 elif not is_moved:  # animation may have hidden it

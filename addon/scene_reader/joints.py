@@ -57,7 +57,7 @@ class _Rest(Curves):
     """A scene at rest. ``parts``: the tagged objects by their link."""
 
     def __init__(self, scene: Scene, parts: dict[Link, list[Object]]) -> None:
-        super().__init__(scene.frame_start / stretching(scene) + np.arange(4.0))
+        super().__init__(scene.frame_start / stretching(scene) + np.arange(2.0))
         self._metres = metres_per_unit(scene)
         self._reach = scene.haptics.contact_tolerance
         self._parts = parts
@@ -120,7 +120,7 @@ class _Rest(Curves):
         place = self.place(link)
         line = np.array([place[:3, 3], np.zeros(3)])
         if ranges:
-            frames = np.linspace(np.min(ranges), np.max(ranges) + 1, _SAMPLES)
+            frames = np.rint(np.linspace(np.min(ranges), np.max(ranges) + 1, _SAMPLES))
             turns = _rigid(Curves(frames).basis(obj, item, path))[0][:, :3, :3]
             changes = (turns[0].T @ turns - np.eye(3)).reshape(-1, 3)
             _, sizes, directions = np.linalg.svd(changes)

@@ -191,6 +191,8 @@ class Curves:
     def _evaluated(self, curve: Any) -> FloatArray:
         """Values (k,) of a curve: from the third on by the polynomial of least degree through some
         of them, if it meets more of them than it has coefficients."""
+        if len(self._frames) < 16:
+            return _sampled(curve, self._frames)
         nodes, fits = _polynomials(len(self._frames) - 2)
         some = _sampled(curve, self._frames[2:][nodes])
         error = _EXACT * max(1.0, np.abs(some).max())
@@ -216,6 +218,8 @@ def _sampled(curve: Any, frames: FloatArray) -> FloatArray:
     share of a sample late in a scene."""
     single = frames.astype(np.float32).astype(np.float64)
     values = np.array([curve.evaluate(frame) for frame in single.tolist()])
+    if np.array_equal(single, frames):
+        return values
     return np.asarray(values + np.gradient(values, frames) * (frames - single))
 
 

@@ -125,9 +125,10 @@ class SceneReader:
             frame: that was evaluated; None for the scene's current one.
         """
         frame = scene.frame_current if frame is None else frame
-        changes = self._changes(depsgraph, exact or frame - self._frame not in (0, 1), evaluation)
-        if changes.exact:  # a frame's evaluation does not tell edits of joints from animation
+        jumps = frame - self._frame not in (0, 1)
+        if jumps:  # of which Blender doesn't tell what scripts have edited
             self._settings.forget_rules()
+        changes = self._changes(depsgraph, exact or jumps, evaluation)
         lists = self._read_whole(changes) if changes.is_whole else self._follow(changes)
         self._finish(scene, frame, lists)
         return self._reading(scene, frame, lists)

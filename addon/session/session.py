@@ -111,11 +111,14 @@ def recheck_shapes() -> None:
 
 def note(depsgraph: Depsgraph, names_all: bool = False) -> Evaluation:
     """Make every scene compare what an evaluation may have changed at its next reading; see
-    `Evaluation.of`. Of a frame that is set again, scripts may have edited anything."""
+    `Evaluation.of`. Of a frame that is set again, scripts may have edited anything; and of an edit
+    of a haptic property, Blender names the object and its children as if they were moved."""
     shown = known(depsgraph.scene)
-    if shown is not None and shown.last is not None:
-        names_all &= shown.last[0] != depsgraph.scene.frame_current
-    evaluation = Evaluation.of(depsgraph, names_all)
+    moves = True
+    if shown is not None:
+        names_all &= shown.last is None or shown.last[0] != depsgraph.scene.frame_current
+        moves = shown.version == revisions.authored()
+    evaluation = Evaluation.of(depsgraph, names_all, moves)
     for session in sessions.every():
         session.reader.note(evaluation)
         session.evaluation = evaluation

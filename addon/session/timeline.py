@@ -20,6 +20,7 @@ from ...core.render.groups import MAX_DELAY
 from ...core.signals import DEFAULT_IMPACT, IMPACT_MATERIALS, Signal, impact_template
 from ..blender.time import frame_seconds
 from ..blender.words import report_text
+from ..changes.revisions import SCENE
 from ..changes.suspension import stepped, suspended
 from ..scene_reader.problem import Problem, why_untraced
 from ..scene_reader.reader import SceneReader
@@ -95,6 +96,7 @@ def _frames(
             with suspended():
                 scene.frame_set(frame)
         session.of(scene).last = None  # independent of earlier traces
+        session.of(scene).reader.reread({SCENE})  # also of joints that scripts have edited
         for frame in range(first, end + 1):
             set_frame(scene, frame)
             if frame >= start:
