@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,9 +27,6 @@ from ..scene.spectra import leading_band
 from ..scene.values import HapticObject, HapticScene, Listener, Source, SourceKind, Vector
 from .impedances import Bodies, passed_by_bodies
 from .object_frames import ObjectFrames
-
-if TYPE_CHECKING:
-    import networkx
 
 
 class NoGain(ValueError):
@@ -418,41 +414,6 @@ class HapticGraph:
             if self.fronts is None
             else (self.fronts.take(a, axis=1), self.fronts.take(b, axis=1))
         )
-
-    def to_networkx(self) -> networkx.DiGraph[int]:
-        """The explicit graph, every connection an edge in either direction: for small scenes and
-        for tests.
-
-        Nodes carry ``object``, ``kind``, ``position``; edges ``connection`` ("intra" or "inter")
-        and ``gain``.
-        """
-        import networkx
-
-        graph = networkx.DiGraph()
-        kinds = {node: "source" for source in self.sources for node in source.nodes}
-        kinds |= dict.fromkeys(self.listener_nodes.tolist(), "listener")
-        for node in range(self.node_count):
-            graph.add_node(
-                node,
-                object=self.table.names[self.node_object[node]],
-                kind=kinds.get(node, "contact"),
-                position=tuple(self.node_position[node].tolist()),
-            )
-        for index in range(len(self.table.names)):
-            nodes = self.nodes_of(index)
-            a, b = (side + nodes.start for side in np.triu_indices(nodes.stop - nodes.start, 1))
-            gains = self.table.gains(
-                self.node_object[a], self.node_distances(a, b), self.ends(a, b)
-            )
-            for node, other, gain in zip(a.tolist(), b.tolist(), gains.tolist(), strict=True):
-                graph.add_edge(node, other, connection="intra", gain=gain)
-                graph.add_edge(other, node, connection="intra", gain=gain)
-        gains = np.exp(-self.crossing_costs())
-        for node in (self.partner >= 0).nonzero()[0].tolist():
-            graph.add_edge(
-                node, int(self.partner[node]), connection="inter", gain=float(gains[node])
-            )
-        return graph
 
 
 def distances(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from explicit_graph import explicit_graph
 
 PAGE = Path(__file__).parents[2] / "docs" / "scripting.md"
 
@@ -30,7 +31,10 @@ def test_the_snippets_tag_trace_bake_export_and_compute_again(tmp_path, monkeypa
     assert 0 < result.amplitudes[0, 0] < 0.8
     assert names["gain"] == pytest.approx(result.gains[0, 0], rel=1e-6)
     assert 0.8 * result.gains[0, 0] == pytest.approx(result.amplitudes[0, 0], rel=1e-6)
-    assert {node for _, _, node in names["graph"].edges(data="connection")} == {"intra", "inter"}
+    expected = explicit_graph(result.graph)
+    assert set(expected.edges) == set(names["edges"].edges)
+    for one, other, edge in names["edges"].edges(data=True):
+        assert edge == pytest.approx(expected.edges[one, other])
     assert names["table"].haptics.material.name == "Hardwood"
     assert json.loads((tmp_path / "table.hjif").read_text(encoding="utf-8"))["perceptions"]
     assert (

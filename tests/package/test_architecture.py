@@ -21,7 +21,6 @@ LATE = {
     "fcl": "native",
     "fcntl": "not there on Windows",
     "soxr": "native",
-    "networkx": "optional: needed by scripts alone",
     "fastjsonschema": "slow to import, needed for files and device profiles",
     "io_scene_gltf2": "Blender's glTF exporter, which the user may have disabled",
     "matplotlib": "optional: the study's plots",

@@ -82,8 +82,7 @@ def test_what_is_shipped_imports_only_what_is_there_in_blender(found):
     }
     in_blender |= {"numpy", "rna_keymap_ui", "rna_prop_ui"}
     carried = {"fcl", "hid", "hidraw", "fastjsonschema", "soxr"}
-    asked_for = {"networkx"}  # by scripts that install it
-    allowed = set(sys.stdlib_module_names) | in_blender | carried | asked_for
+    allowed = set(sys.stdlib_module_names) | in_blender | carried
     shipped = [
         one
         for one in found

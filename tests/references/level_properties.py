@@ -9,6 +9,7 @@ import math
 
 import networkx
 import numpy as np
+from explicit_graph import explicit_graph
 from haptic_tracing.core.contacts.scene_contacts import contacts_of_scene
 from haptic_tracing.core.contacts.shapes import Box, pose_matrix
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
@@ -228,7 +229,7 @@ def check_shown(graph: HapticGraph, result: Propagation, threshold: float) -> No
     """The way that is shown makes the number: the product of its connections, and none is stronger
     by NetworkX's own search. Below the ``threshold`` it may be the way of another band."""
     for row, source in enumerate(graph.sources):
-        explicit = graph.in_band(source.band).to_networkx().to_directed()
+        explicit = explicit_graph(graph.in_band(source.band)).to_directed()
         # A listener's extent shortens the way to it, not that past it.
         explicit.remove_edges_from([*explicit.out_edges(graph.listener_nodes.tolist())])
         for edge in explicit.edges.values():

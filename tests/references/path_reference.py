@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from random import Random
 
 import networkx
+from explicit_graph import explicit_graph
 from haptic_tracing.core.graph.haptic_graph import HapticGraph
 from haptic_tracing.core.scene.functions import (
     Constant,
@@ -107,7 +108,7 @@ def networkx_paths(
 ) -> Iterator[tuple[tuple[int, ...], list[float]]]:
     """Nodes and gains of all paths: NetworkX's simple paths without two intra-connections in a
     row."""
-    explicit = graph.to_networkx()
+    explicit = explicit_graph(graph)
     target = int(graph.listener_nodes[column])
     for root in graph.sources[row].nodes:
         for path in networkx.all_simple_paths(explicit, root, target):
@@ -118,12 +119,13 @@ def networkx_paths(
 
 
 def recursive_paths(
-    graph: HapticGraph, row: int, column: int
+    graph: HapticGraph, row: int, column: int, explicit: networkx.DiGraph | None = None
 ) -> Iterator[tuple[tuple[int, ...], list[float]]]:
-    """The same by recursion over contacts, from the definition."""
+    """The same by recursion over contacts, from the definition; ``explicit``: with other gains."""
     inside: dict[int, list[tuple[int, float]]] = {}
     across: dict[tuple[int, int], float] = {}
-    for a, others in graph.to_networkx().adjacency():
+    known = explicit_graph(graph) if explicit is None else explicit
+    for a, others in known.adjacency():
         for b, edge in others.items():
             if edge["connection"] == "intra":
                 inside.setdefault(a, []).append((b, edge["gain"]))
@@ -161,7 +163,7 @@ def least_cost(graph: HapticGraph, row: int, column: int) -> float:
     """The least cost of a walk, by NetworkX's Dijkstra on a graph with two states of each node: its
     object has just been entered through it, or it has been arrived at inside."""
     states = networkx.DiGraph()
-    for a, b, edge in graph.to_networkx().edges(data=True):
+    for a, b, edge in explicit_graph(graph).edges(data=True):
         if edge["gain"] > 0:
             ends = ((a, 0), (b, 1)) if edge["connection"] == "intra" else ((a, 1), (b, 0))
             states.add_edge(*ends, cost=-math.log(edge["gain"]))

@@ -6,6 +6,7 @@ from dataclasses import replace
 import networkx
 import numpy as np
 import pytest
+from explicit_graph import explicit_graph
 from haptic_tracing.addon.view.colour_map import AmplitudeScale
 from haptic_tracing.addon.view.render_data import (
     IMPACT_COLOUR,
@@ -36,7 +37,7 @@ def _segments(lines):
 @given(seeds)
 def test_lines_are_connections_that_carry_signal(seed):
     result = traced(random_scene(seed))
-    explicit = result.graph.to_networkx()
+    explicit = explicit_graph(result.graph)
     allowed = {
         frozenset(
             tuple(np.round(np.float32(explicit.nodes[n]["position"]), 4).tolist()) for n in edge
@@ -66,7 +67,7 @@ def test_paths_end_with_the_gain_of_the_best_path(seed):
     if not paths:
         return
     steps, gain, arc_length = path_steps(result, result.graph, Mode.HT, paths)
-    explicit = result.graph.to_networkx()
+    explicit = explicit_graph(result.graph)
     ends = np.cumsum([len(nodes) - 1 for nodes in paths.values()]) - 1
     for end, (pair, nodes) in zip(ends, paths.items(), strict=True):
         product = math.prod(explicit.edges[edge]["gain"] for edge in networkx.utils.pairwise(nodes))

@@ -6,10 +6,10 @@ import itertools
 import math
 from dataclasses import replace
 from random import Random
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from explicit_graph import explicit_graph
 from haptic_tracing.core.graph.haptic_graph import graph_of_scene
 from haptic_tracing.core.propagation import propagate
 from haptic_tracing.core.scene.functions import Exponential
@@ -45,7 +45,7 @@ def products(scene, radii, column):
     """Gains of all paths to a listener, by recursion; the last connection is as long as the way to
     the nearest point of the volume."""
     graph = graph_of_scene(scene)
-    explicit = graph.to_networkx()
+    explicit = explicit_graph(graph)
     for node, radius in zip(graph.listener_nodes.tolist(), radii, strict=True):
         item = graph.table.objects[graph.node_object[node]]
         for other, edge in explicit.pred[node].items():
@@ -57,13 +57,7 @@ def products(scene, radii, column):
                     0
                 ]
             )
-    form = SimpleNamespace(
-        to_networkx=lambda: explicit,
-        partner=graph.partner,
-        sources=graph.sources,
-        listener_nodes=graph.listener_nodes,
-    )
-    return [math.prod(gains) for _, gains in recursive_paths(form, 0, column)]
+    return [math.prod(gains) for _, gains in recursive_paths(graph, 0, column, explicit)]
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import math
 import networkx
 import numpy as np
 import pytest
+from explicit_graph import explicit_graph
 from haptic_tracing.core.graph.haptic_graph import HapticGraph, graph_of_scene
 from haptic_tracing.core.propagation.spread import spread
 from haptic_tracing.core.scene.functions import Constant, Exponential, HapticTracing, Linear
@@ -64,7 +65,7 @@ def strongest_by_networkx(graph: HapticGraph) -> np.ndarray:
     """Largest product at every node: shortest paths over two states of each node, its object has
     been entered through it, or it has been arrived at inside."""
     states = networkx.DiGraph()
-    for a, b, edge in graph.to_networkx().edges(data=True):
+    for a, b, edge in explicit_graph(graph).edges(data=True):
         if edge["gain"] > 0:
             ends = ((a, 0), (b, 1)) if edge["connection"] == "intra" else ((a, 1), (b, 0))
             states.add_edge(*ends, cost=-math.log(edge["gain"]))
@@ -93,7 +94,7 @@ def test_gain_is_the_largest_product(graph: HapticGraph) -> None:
 @given(graphs())
 def test_predecessors_make_trees_that_carry_the_gain(graph: HapticGraph) -> None:
     found = spread(graph)
-    explicit = graph.to_networkx()
+    explicit = explicit_graph(graph)
     roots = {node for source in graph.sources for node in source.nodes}
     for node in np.flatnonzero(found.amplitude > 0).tolist():
         visited = [node]
