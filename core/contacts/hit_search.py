@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import BoolArray, FloatArray, IntArray, added_by, among
+from ..arrays import BoolArray, FloatArray, IntArray, added_by, among, ranges
 from ..frozen import frozen
 from .body_poses import BodyPoses
 from .body_table import BodyTable
@@ -129,17 +129,9 @@ class HitSearch:
         if len(rows) == 0:
             return Hits.none()
         bodies = pairs.bodies(rows)
-        pose, other = (self.poses.pose.take(numbers, axis=1) for numbers in bodies.T)
-        limit = table.tolerance(
-            bodies[:, 0], bodies[:, 1], self.settings.tolerance + self.settings.slack
-        )
-        normal = pairs.values[NORMAL, rows]
-        distance = pairs.distance[rows]
-        centre = pairs.values[ON_LARGER, rows] + normal * (distance / 2)
-        of, points = table.narrow.corners(
-            bodies, *relative_pose(pose, other), limit, normal, centre
-        )
-        points = placed(pose[:, of], points)
+        of, points, was, old = self._corners(bodies, pairs.values[:, rows], last[:, rows])
+        pose = self.poses.pose.take(bodies[:, 0], axis=1)
+        normal, distance = pairs.values[NORMAL, rows], pairs.distance[rows]
         numbers = table.numbers(pairs.key[rows])
         flipped = bodies[:, 0] != numbers[:, 0]
         normal = turned(pose[:9].reshape(3, 3, -1)[..., of], normal[:, of])
@@ -147,12 +139,14 @@ class HitSearch:
         distance = distance[of]
         gap = normal * (distance / 2)
         nodes = np.array([points - gap, points + gap])
-        was, old = self._corners_before(bodies, last[:, rows], limit)
         old = np.where(flipped[was], old[::-1], old)
-        squared = ((nodes[..., None] - old[:, :, None]) ** 2).sum(axis=1)
-        away = np.sqrt(
-            np.where(of[:, None] == was, squared, np.inf).min(axis=(0, 2), initial=np.inf)
-        )
+        # Each corner beside all that its pair had before.
+        size = np.bincount(was, minlength=len(rows))
+        beside = ranges((size.cumsum() - size)[of], size[of])
+        own = np.arange(len(of)).repeat(size[of])
+        way = nodes[..., own] - old[..., was.argsort(kind="stable")[beside]]
+        away = np.full(len(of), np.inf)
+        np.minimum.at(away, own, np.sqrt((way**2).sum(axis=1).min(axis=0)))
         hits = landings(self.paths, numbers[of], nodes, away, normal, distance, PRESSING_DISTANCE)
         if len(hits) == 0:
             return hits
@@ -190,19 +184,29 @@ class HitSearch:
         speed = np.maximum(start / self.paths.duration, before / self.paths.earlier_duration)
         return np.asarray((start > PRESSING_DISTANCE) & (speed > SWUNG))
 
-    def _corners_before(
-        self, bodies: IntArray, last: FloatArray, limit: FloatArray
-    ) -> tuple[IntArray, FloatArray]:
-        """Of each corner of the patches that pairs of ``bodies`` (p, 2) had in the last frame, with
-        the values ``last`` (rows, p): the number (k,) of the pair, and where the material of the
-        larger and of the smaller body there (2, 3, k) is now."""
-        larger, smaller = bodies.T
-        turn, offset = self._before(larger, smaller)
-        normal = last[NORMAL]
-        gap = normal * (last[DISTANCE] / 2)
+    def _corners(
+        self, bodies: IntArray, values: FloatArray, last: FloatArray
+    ) -> tuple[IntArray, FloatArray, IntArray, FloatArray]:
+        """Of each corner of the patches of pairs of ``bodies`` (p, 2), with ``values`` (rows, p)
+        now and ``last`` in the last frame: the number (k,) of the pair, and where it is (3, k);
+        then of each that they had in the last frame the number (m,) of the pair, and where the
+        material of the larger and of the smaller body there (2, 3, m) is now."""
+        count = len(bodies)
+        larger, smaller = (self.poses.pose.take(numbers, axis=1) for numbers in bodies.T)
+        placing = relative_pose(larger, smaller), self._before(*bodies.T)
+        turn, offset = (np.concatenate(both, axis=-1) for both in zip(*placing, strict=True))
+        both = np.concatenate([values, last], axis=1)
+        gap = both[NORMAL] * (both[DISTANCE] / 2)
+        most = self.settings.tolerance + self.settings.slack
+        limit = np.tile(self.table.tolerance(bodies[:, 0], bodies[:, 1], most), 2)
+        several = np.concatenate([bodies, bodies])
         of, places = self.table.narrow.corners(
-            bodies, turn, offset, limit, normal, last[ON_LARGER] + gap
+            several, turn, offset, limit, both[NORMAL], both[ON_LARGER] + gap
         )
-        on_smaller = turned_back(turn[..., of], places + gap[:, of] - offset[:, of])
-        ends = (larger, places - gap[:, of]), (smaller, on_smaller)
-        return of, np.array([placed(self.poses.pose[:, side[of]], end) for side, end in ends])
+        now, before = (of < count).nonzero()[0], (of >= count).nonzero()[0]
+        points = placed(larger[:, of[now]], places[:, now])
+        was, places, gap = of[before], places[:, before], gap[:, of[before]]
+        on_smaller = turned_back(turn[..., was], places + gap - offset[:, was])
+        ends = (larger, places - gap), (smaller, on_smaller)
+        was -= count
+        return of[now], points, was, np.array([placed(pose[:, was], end) for pose, end in ends])

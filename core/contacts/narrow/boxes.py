@@ -213,14 +213,13 @@ def _faces(
     area *= face[0] * face[1]
     length = np.maximum(halves[:, 0], halves[:, 1])
     thin = np.square(np.maximum(1.0 - area / (2 * _SLIVER * np.minimum(length[0], length[1])), 0.0))
-    lifted = lowest - distance
+    lifted = lowest[2] - distance
     exact = found & ((lifted <= _CERTAIN) | (distance <= 0))
     rows = ((thin > 0) & exact).nonzero()[0]
     if len(rows):
         tipped = seen[:, :, rows]
         place[:, rows] += thin[rows] * _along_line(
-            centre[:, rows],
-            tipped[:2],
+            (centre[:, rows], tipped[:2], lowest[:, rows]),
             np.array([-tipped[2, 1] * face[1, rows], tipped[2, 0] * face[0, rows]]),
             slope[rows],
             face[:2, rows],
@@ -241,8 +240,7 @@ def _faces(
 
 
 def _along_line(
-    centre: FloatArray,
-    sides: FloatArray,
+    other: tuple[FloatArray, FloatArray, FloatArray],
     line: FloatArray,
     slope: FloatArray,
     face: FloatArray,
@@ -253,15 +251,16 @@ def _along_line(
     unstable: it moves by half the sliver's length as the line tilts by 1e-3 rad.
 
     Args:
-        centre: of the other face in units of the rectangle (3, p), as `overlap` takes it.
-        sides: its half edges (2, 3, p), in these units.
+        other: face in units of the rectangle, as `overlap` takes it: its centre (3, p), half edges
+            (2, 3, p) and lowest point (3, p).
         line: direction of the line over the rectangle (2, p), of any length.
         slope: of the other face over the rectangle (p,).
         face: half edges of the rectangle (2, p) [m].
         place: centre of the sliver, in units of the rectangle (2, p), as is the result.
     """
     within = np.maximum(np.minimum(_BESIDE * slope, ROUGHNESS), patch_gap(slope))
-    broader = overlap(centre, sides, within)[1]
+    centre, sides, lowest = other
+    broader = overlap(centre, sides, within, lowest)[1]
     along = dot(line, (broader - place) * face) / np.maximum(dot(line, line), 1e-300)
     return line * along / face
 

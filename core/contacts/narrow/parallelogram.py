@@ -31,13 +31,15 @@ _THIN = 5e-15
 
 
 def overlap(
-    centre: FloatArray, sides: FloatArray, within: FloatArray
+    centre: FloatArray, sides: FloatArray, within: FloatArray, lowest: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
     """The part of the square under the parallelogram ``centre + s sides[0] + t sides[1]``, |s|, |t|
     <= 1, of ``centre`` (3, p) and ``sides`` (2, 3, p), as far as its height is ``within`` (p,) of
-    the least there: area (p,), centre (2, p), least height (p,), and whether there is any (p,)."""
+    the least there: area (p,), centre (2, p), the ``lowest`` point (3, p), which may be known, and
+    whether there is any (p,)."""
     sides = sides * np.copysign(1.0, sides[:, 2:])  # both ascend
-    lowest = _lowest(centre, sides)
+    if lowest is None:
+        lowest = _lowest(centre, sides)
     # Integrals about a point of the overlap, so that little is lost where it is small.
     integrals = _integrals(_outline(centre, sides, lowest[2] + within), lowest[:2])
     area = np.abs(integrals[0]) / 2
@@ -47,7 +49,7 @@ def overlap(
     thin = ((area <= _THIN) & found).nonzero()[0]
     if len(thin):
         middle[:, thin] = _middle_of_edges(centre.take(thin, axis=1), sides.take(thin, axis=2))
-    return area, np.minimum(np.maximum(middle, -1.0), 1.0), lowest[2], found
+    return area, np.minimum(np.maximum(middle, -1.0), 1.0), lowest, found
 
 
 def _edges(centre: FloatArray, sides: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
