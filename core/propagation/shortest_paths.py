@@ -108,7 +108,7 @@ def shortest_paths(
             surely the shortest still.
     """
     asked = roots, bands, targets, backwards, limit
-    is_worth_it = known is not None and known.examined >= BATCH
+    is_worth_it = known is not None and 4 * known.examined > max(BATCH, known.entry.size)
     if known is not None and is_worth_it and _Search(graph, *asked).agrees(known.search):
         return known
     search = _Search(graph, *asked)
