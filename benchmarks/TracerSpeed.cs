@@ -16,7 +16,7 @@ static class TracerSpeed
         var tracer = Tracer.Read(File.ReadAllText(arguments[0]));
         var rows = Console.In.ReadToEnd().Split(new[] { '\n' }, StringSplitOptions.RemoveEmptyEntries)
             .Select(line => line.Split(' ').Select(word => double.Parse(word, CultureInfo.InvariantCulture)).ToArray()).ToArray();
-        var contacts = rows.Select(n => tracer.Touch((int)n[0], (int)n[1])).ToArray();
+        var contacts = rows.Select(n => tracer.Touch(tracer.Objects[(int)n[0]], tracer.Objects[(int)n[1]])).ToArray();
         for (var k = 0; k < rows.Length; k++)
         {
             contacts[k].Normal = new Vector(rows[k][5], rows[k][6], rows[k][7]);

@@ -5,7 +5,7 @@
 using System;
 using System.Collections.Generic;
 using System.Globalization;
-using System.Text;
+using System.Text.RegularExpressions;
 
 namespace HapticTracer
 {
@@ -15,9 +15,7 @@ namespace HapticTracer
 
         public Vector(double x, double y, double z) { X = x; Y = y; Z = z; }
 
-        public double Length { get { return Math.Sqrt(Dot(this)); } }
         public double Dot(Vector v) { return X * v.X + Y * v.Y + Z * v.Z; }
-        public Vector Cross(Vector v) { return new Vector(Y * v.Z - Z * v.Y, Z * v.X - X * v.Z, X * v.Y - Y * v.X); }
         public static Vector operator +(Vector a, Vector b) { return new Vector(a.X + b.X, a.Y + b.Y, a.Z + b.Z); }
         public static Vector operator -(Vector a, Vector b) { return new Vector(a.X - b.X, a.Y - b.Y, a.Z - b.Z); }
         public static Vector operator *(Vector v, double factor) { return new Vector(v.X * factor, v.Y * factor, v.Z * factor); }
@@ -107,9 +105,13 @@ namespace HapticTracer
         internal Body Body;
         internal Vector Centre = new Vector(double.NaN, 0, 0), Size = new Vector(double.NaN, 0, 0), Place;
         internal Vector X = new Vector(1, 0, 0), Y = new Vector(0, 1, 0), Z = new Vector(0, 0, 1);
+        internal Node[] Nodes = new Node[4];
+        internal int Count;
         /// <summary>Whether it moves with what stands behind it, and in which rounds that changes: bits.</summary>
         internal bool Carries;
         internal int Due;
+        /// <summary>Those which it touches where the file says.</summary>
+        internal readonly List<TracedObject> Joined = new List<TracedObject>();
 
         /// <summary>Where it is: position and rotation.</summary>
         public void Move(double x, double y, double z, double qw, double qx, double qy, double qz)
@@ -137,6 +139,48 @@ namespace HapticTracer
             var from = world - Place;
             return new Vector(from.Dot(X), from.Dot(Y), from.Dot(Z));
         }
+
+        internal Node Add(Vector at, int lanes, Contact contact = null)
+        {
+            if (Count == Nodes.Length) Array.Resize(ref Nodes, 2 * Count);
+            var node = Nodes[Count] ?? (Nodes[Count] = new Node { Owner = this, Crossing = new double[lanes] });
+            Count++;
+            node.X = at.X;
+            node.Y = at.Y;
+            node.Z = at.Z;
+            node.Contact = contact;
+            node.Partner = null;
+            node.Reach = node.Run = node.Half = 0;
+            node.Listens = node.ByBodies = node.Carried = false;
+            for (var lane = 0; lane < lanes; lane++) node.Crossing[lane] = double.NaN;
+            return node;
+        }
+    }
+
+    /// <summary>A node of the graph.</summary>
+    sealed class Node
+    {
+        internal TracedObject Owner;
+        internal Contact Contact;
+        internal Node Partner, Entry;
+        internal double X, Y, Z, Reach, Run, Half, Arrival;
+        internal bool Listens, Settled;
+        // Of leaving over its contact: by lane the cost, NaN if it is not known yet; whether it is by bodies, and by what stands
+        // behind these; by band the mobility of the body alone, and as it carries others; what of that is being computed.
+        internal double[] Crossing;
+        internal bool ByBodies, Carried;
+        internal readonly double[] Alone = new double[6], Mobility = new double[6];
+        internal double Opening, Give, Aside, Before, Now;
+
+        internal double Distance(Node other)
+        {
+            double x = X - other.X, y = Y - other.Y, z = Z - other.Z;
+            var apart = Math.Sqrt(x * x + y * y + z * z) - Reach - other.Reach;
+            return apart > 0 ? apart : 0;
+        }
+
+        /// <summary>What is alike in all lanes over a distance to another node of the object.</summary>
+        internal double Shape(Node other, double distance) { return Owner.Function.Shape(distance, distance, Run, other.Run, Half + other.Half); }
     }
 
     /// <summary>A signal as rows of samples, each heard with a mix of the gains of the lanes.</summary>
@@ -181,15 +225,17 @@ namespace HapticTracer
     public sealed class Source
     {
         public string Name = "";
-        /// <summary>The number of its object, and its position there.</summary>
-        public int On;
+        /// <summary>Its object, and its position there.</summary>
+        public TracedObject On;
         public Vector Position;
         public double Amplitude = 1;
         public bool Once;
         public Signal Signal;
-        /// <summary>By listener: the numbers of the objects on the best path, from here on.</summary>
-        public List<int>[] Paths = new List<int>[0];
-        internal int Second = -1, Voices, Node, SecondNode;
+        /// <summary>By listener: the objects on the best path, from here on.</summary>
+        public List<TracedObject>[] Paths = new List<TracedObject>[0];
+        internal TracedObject Second;
+        internal Node Node, SecondNode;
+        internal int Voices;
         internal Vector SecondPosition;
         internal bool Started, Began;
         // By listener: gains of lanes, and before and now those of rows with all factors, and delays in samples.
@@ -206,8 +252,8 @@ namespace HapticTracer
         internal void Fit(int listeners, int lanes)
         {
             if (Paths.Length == listeners && Gains != null && Gains.Length == listeners * lanes && Now.Length == listeners * Signal.Rows.Length) return;
-            Paths = new List<int>[listeners];
-            for (var l = 0; l < listeners; l++) Paths[l] = new List<int>();
+            Paths = new List<TracedObject>[listeners];
+            for (var l = 0; l < listeners; l++) Paths[l] = new List<TracedObject>();
             Gains = new double[listeners * lanes];
             Now = new double[listeners * Signal.Rows.Length];
             Before = new double[Now.Length];
@@ -220,14 +266,14 @@ namespace HapticTracer
     public sealed class Listener
     {
         public string Name = "", BodyPart = "";
-        public int On;
+        public TracedObject On;
         public Vector Position;
         public double Radius, Gain = 1, SMax = 1;
         /// <summary>The samples of the last step; there may be room for more behind them.</summary>
         public float[] Samples = new float[0];
         internal float[] Recent;
         internal double Sum, Energy;
-        internal int Node;
+        internal Node Node;
     }
 
     /// <summary>What a blow plays, by its strength.</summary>
@@ -242,7 +288,9 @@ namespace HapticTracer
     {
         public Vector At, OtherAt, Normal;
         public double Area, Depth, Force = double.NaN, Weight = 1;
-        internal int One, Other, Number, Node, OtherNode;
+        internal TracedObject One, Other;
+        internal Node Node, OtherNode;
+        internal int Number;
         internal Function Function;
         internal bool Stays;
         // Of one that stays: in the spaces of the objects.
@@ -278,28 +326,16 @@ namespace HapticTracer
         readonly List<Contact> contacts = new List<Contact>();
         readonly Stack<Contact> spare = new Stack<Contact>();
         readonly Stack<Source> spareBlows = new Stack<Source>();
-        readonly HashSet<long> staying = new HashSet<long>();
         readonly List<Voice> voices = new List<Voice>();
         readonly double[] omega = new double[Bands], costs;
-        int recentPlace, recentCount;
+        TracedObject[] carrying = new TracedObject[0];
+        int recentPlace, recentCount, carriers;
         double part;
         bool isSpecial;
 
-        // Nodes, sorted by object.
-        TracedObject[] on = new TracedObject[0];
-        int[] start = new int[1], owner = new int[0], partner, entry;
-        double[] x, y, z, reach, run, half, arrival;
-        bool[] settled, listens;
-        Contact[] contact;
-        // Of leaving over the contact of a node: by lane the cost, NaN if it is not known yet; whether it is by bodies, and by what
-        // stands behind these; by band their mobilities alone, and as they carry others. Of the contact 1 / weight and 1 / stiffness,
-        // and the square of its distance beside the body's middle.
-        readonly double[][] crossing, own = new double[Bands][], mobility = new double[Bands][];
-        bool[] byBodies, carried;
-        double[] opening, compliance, aside, flexible, across, round;
         // A heap of entries.
         double[] keys = new double[64];
-        int[] values = new int[64];
+        Node[] values = new Node[64];
         int size;
 
         public Tracer(int lanes = 1, int sampleRate = 8000)
@@ -307,19 +343,18 @@ namespace HapticTracer
             Lanes = lanes;
             SampleRate = sampleRate;
             costs = new double[lanes];
-            crossing = new double[lanes][];
             Between = new[] { new[] { new Function(0, 0, lanes) } };
             Impacts = new[] { new[] { new Impact { LeastEnergy = 0.05, Signals = new[] { Signal.Tone(150, 0.03, sampleRate) } } } };
         }
 
         /// <summary>Two objects touch, until they part. Keep the contact up to date; null if the file says where they touch.</summary>
-        public Contact Touch(int one, int other)
+        public Contact Touch(TracedObject one, TracedObject other)
         {
-            if (staying.Contains(Key(one, other))) return null;
+            if (one.Joined.Contains(other)) return null;
             var added = spare.Count > 0 ? spare.Pop() : new Contact();
             added.One = one;
             added.Other = other;
-            added.Function = Between[Objects[one].Class][Objects[other].Class];
+            added.Function = Between[one.Class][other.Class];
             added.Number = contacts.Count;
             contacts.Add(added);
             return added;
@@ -335,17 +370,16 @@ namespace HapticTracer
         }
 
         /// <summary>The energy in joules of a blow at a speed along the normal.</summary>
-        public double Energy(int one, int other, double speed)
+        public static double Energy(TracedObject one, TracedObject other, double speed)
         {
-            double a = Objects[one].Mass, b = Objects[other].Mass;
-            var inverse = (a > 0 ? 1 / a : 0) + (b > 0 ? 1 / b : 0);
+            var inverse = (one.Mass > 0 ? 1 / one.Mass : 0) + (other.Mass > 0 ? 1 / other.Mass : 0);
             return inverse > 0 ? speed * speed / (2 * inverse) : 0;
         }
 
         /// <summary>Two objects hit each other, some seconds after the next step's beginning. Whether it sounds: the blow is the last of Blows then.</summary>
-        public bool Blow(int one, int other, Vector at, double energy, double after = 0)
+        public bool Blow(TracedObject one, TracedObject other, Vector at, double energy, double after = 0)
         {
-            var impact = Impacts[Objects[one].Class][Objects[other].Class];
+            var impact = Impacts[one.Class][other.Class];
             if (impact == null || energy < impact.LeastEnergy) return false;
             var strength = Math.Min(energy / impact.FullEnergy, 1);
             if (Blows.Count == MostBlows) End(Blows[0]);
@@ -354,8 +388,8 @@ namespace HapticTracer
             blow.Amplitude = impact.WeakGain + (impact.FullGain - impact.WeakGain) * strength;
             blow.On = one;
             blow.Second = other;
-            blow.Position = Objects[one].ToLocal(at);
-            blow.SecondPosition = Objects[other].ToLocal(at);
+            blow.Position = one.ToLocal(at);
+            blow.SecondPosition = other.ToLocal(at);
             Blows.Add(blow);
             Play(blow, after);
             return true;
@@ -397,8 +431,6 @@ namespace HapticTracer
             return energy > 1e-10 * recentCount ? 10 * Math.Log10(energy / recentCount) : double.NaN;
         }
 
-        static long Key(int one, int other) { return (long)Math.Min(one, other) << 32 | (uint)Math.Max(one, other); }
-
         void End(Source blow)
         {
             for (var i = voices.Count - 1; i >= 0; i--) if (voices[i].Source == blow) voices.RemoveAt(i);
@@ -411,251 +443,191 @@ namespace HapticTracer
 
         void Number()
         {
-            if (on.Length != Objects.Count) on = new TracedObject[Objects.Count];
-            Objects.CopyTo(on);
-            if (start.Length != Objects.Count + 1) start = new int[Objects.Count + 1];
-            Array.Clear(start, 0, start.Length);
+            foreach (var item in Objects) item.Count = 0;
             foreach (var touching in contacts)
             {
                 if (touching.Stays)
                 {
-                    touching.At = Objects[touching.One].ToWorld(touching.Near);
-                    touching.OtherAt = Objects[touching.Other].ToWorld(touching.OtherNear);
-                    touching.Normal = Objects[touching.One].Turned(touching.NormalNear);
+                    touching.At = touching.One.ToWorld(touching.Near);
+                    touching.OtherAt = touching.Other.ToWorld(touching.OtherNear);
+                    touching.Normal = touching.One.Turned(touching.NormalNear);
                 }
-                start[touching.One]++;
-                start[touching.Other]++;
-            }
-            for (var i = 0; i < Objects.Count; i++) Objects[i].Carries = start[i] > 1 && Objects[i].Body != null && Objects[i].Body.Carries;
-            foreach (var source in Sources) start[source.On]++;
-            foreach (var blow in Blows)
-            {
-                start[blow.On]++;
-                start[blow.Second]++;
-            }
-            foreach (var listener in Listeners) start[listener.On]++;
-            for (var i = 1; i < start.Length; i++) start[i] += start[i - 1];
-            Room(start[Objects.Count]);
-            // Filled from the end of each object's nodes, so that its start is what is left.
-            foreach (var touching in contacts)
-            {
-                touching.Node = Node(touching.One, touching.At, touching);
-                touching.OtherNode = Node(touching.Other, touching.OtherAt, touching);
-                partner[touching.Node] = touching.OtherNode;
-                partner[touching.OtherNode] = touching.Node;
+                touching.Node = touching.One.Add(touching.At, Lanes, touching);
+                touching.OtherNode = touching.Other.Add(touching.OtherAt, Lanes, touching);
+                touching.Node.Partner = touching.OtherNode;
+                touching.OtherNode.Partner = touching.Node;
                 Front(touching);
             }
-            foreach (var source in Sources) source.Node = source.SecondNode = Node(source.On, Objects[source.On].ToWorld(source.Position));
+            foreach (var item in Objects) item.Carries = item.Count > 1 && item.Body != null && item.Body.Carries;
+            foreach (var source in Sources) source.Node = source.On.Add(source.On.ToWorld(source.Position), Lanes);
             foreach (var blow in Blows)
             {
-                blow.Node = Node(blow.On, Objects[blow.On].ToWorld(blow.Position));
-                blow.SecondNode = Node(blow.Second, Objects[blow.Second].ToWorld(blow.SecondPosition));
+                blow.Node = blow.On.Add(blow.On.ToWorld(blow.Position), Lanes);
+                blow.SecondNode = blow.Second.Add(blow.Second.ToWorld(blow.SecondPosition), Lanes);
             }
             foreach (var listener in Listeners)
             {
-                listener.Node = Node(listener.On, Objects[listener.On].ToWorld(listener.Position));
-                reach[listener.Node] = listener.Radius;
-                listens[listener.Node] = true;
+                listener.Node = listener.On.Add(listener.On.ToWorld(listener.Position), Lanes);
+                listener.Node.Reach = listener.Radius;
+                listener.Node.Listens = true;
             }
-        }
-
-        void Room(int count)
-        {
-            if (owner.Length >= count) return;
-            count += count / 2;
-            owner = new int[count];
-            partner = new int[count];
-            entry = new int[count];
-            x = new double[count];
-            y = new double[count];
-            z = new double[count];
-            reach = new double[count];
-            run = new double[count];
-            half = new double[count];
-            arrival = new double[count];
-            settled = new bool[count];
-            listens = new bool[count];
-            contact = new Contact[count];
-            byBodies = new bool[count];
-            carried = new bool[count];
-            opening = new double[count];
-            compliance = new double[count];
-            aside = new double[count];
-            flexible = new double[count];
-            across = new double[count];
-            round = new double[count];
-            for (var lane = 0; lane < Lanes; lane++) crossing[lane] = new double[count];
-            for (var band = 0; band < Bands; band++)
-            {
-                own[band] = new double[count];
-                mobility[band] = new double[count];
-            }
-        }
-
-        int Node(int number, Vector at, Contact of = null)
-        {
-            var node = --start[number];
-            owner[node] = number;
-            partner[node] = -1;
-            contact[node] = of;
-            x[node] = at.X;
-            y[node] = at.Y;
-            z[node] = at.Z;
-            reach[node] = run[node] = half[node] = 0;
-            listens[node] = false;
-            return node;
         }
 
         /// <summary>The fronts of waves that begin with the size of a patch.</summary>
-        void Front(Contact touching)
+        static void Front(Contact touching)
         {
             if (touching.Area == 0) return;
-            TracedObject one = Objects[touching.One], other = Objects[touching.Other];
+            TracedObject one = touching.One, other = touching.Other;
             var wide = Math.Max(one.Across(touching.Normal), other.Across(touching.Normal));
             var patch = Math.Min(Math.Max(Math.Sqrt(touching.Area), touching.Area * wide), 2 * Math.Min(one.Middle, other.Middle));
-            Front(touching.Node, one.Function, patch);
-            Front(touching.OtherNode, other.Function, patch);
+            Front(touching.Node, patch);
+            Front(touching.OtherNode, patch);
         }
 
-        void Front(int node, Function function, double patch)
+        static void Front(Node node, double patch)
         {
-            run[node] = Math.Max(patch - function.Point, 0);
-            if (run[node] > 0) half[node] = function.Spread(run[node]) / 2;
+            node.Run = Math.Max(patch - node.Owner.Function.Point, 0);
+            if (node.Run > 0) node.Half = node.Owner.Function.Spread(node.Run) / 2;
         }
 
         // What contacts pass on by the impedances of their bodies.
 
         void PassOn()
         {
-            var count = start[on.Length];
-            foreach (var row in crossing) for (var node = 0; node < count; node++) row[node] = double.NaN;
-            for (var node = 0; node < count && Lanes > 1; node++)
+            if (Lanes == 1) return;
+            foreach (var touching in contacts)
             {
-                var body = on[owner[node]].Body;
-                if (contact[node] == null) continue;
-                for (var band = 0; band < Bands; band++)
-                    own[band][node] = body == null ? 0 : body.HalfSpace == null ? body.Mobility[band] : body.At(omega[band], contact[node].Area);
+                Alone(touching.Node);
+                Alone(touching.OtherNode);
             }
             var isCarried = false;
-            for (var node = 0; node < count; node++)
-            {
-                byBodies[node] = carried[node] = false;
-                if (Lanes == 1 || contact[node] == null) continue;
-                TracedObject item = on[owner[node]], over = on[owner[partner[node]]];
-                var spring = contact[node].Function.Spring;
-                opening[node] = 1 / Math.Max(contact[node].Weight, 1e-12);
-                compliance[node] = spring == null ? 0 : 1 / spring[0];
-                byBodies[node] = spring != null && item.Body != null && over.Body != null && (item.Body.Kind != over.Body.Kind || spring[0] < Infinite);
-                if (!byBodies[node] || !item.Carries) continue;
-                // What is heavier than its load in all bands passes everything anyway.
-                var isLight = IsSoft(node);
-                for (var band = 0; band < Bands; band++) isLight |= own[band][node] > own[band][partner[node]];
-                carried[node] = isLight;
-                isCarried |= isLight;
-            }
+            foreach (var touching in contacts) isCarried |= Drives(touching.Node) | Drives(touching.OtherNode);
             if (!isCarried) return;
-            for (var o = 0; o < on.Length; o++)
+            if (carrying.Length < Objects.Count) carrying = new TracedObject[Objects.Count];
+            carriers = 0;
+            foreach (var item in Objects)
             {
-                if (!on[o].Carries) continue;
-                var middle = on[o].ToWorld(on[o].Centre);
-                for (int node = start[o], end = start[o + 1]; node < end; node++)
+                if (!item.Carries) continue;
+                carrying[carriers++] = item;
+                var middle = item.ToWorld(item.Centre);
+                for (var k = 0; k < item.Count; k++)
                 {
-                    if (contact[node] == null) continue;
-                    var n = contact[node].Normal;
-                    double dx = x[node] - middle.X, dy = y[node] - middle.Y, dz = z[node] - middle.Z;
-                    double a = dy * n.Z - dz * n.Y, b = dz * n.X - dx * n.Z, c = dx * n.Y - dy * n.X;
-                    aside[node] = double.IsNaN(dx) ? Infinite : Math.Max(a * a + b * b + c * c, 1e-12);
+                    var node = item.Nodes[k];
+                    if (node.Contact == null) continue;
+                    var normal = node.Contact.Normal;
+                    double x = node.X - middle.X, y = node.Y - middle.Y, z = node.Z - middle.Z;
+                    double a = y * normal.Z - z * normal.Y, b = z * normal.X - x * normal.Z, c = x * normal.Y - y * normal.X;
+                    node.Aside = item.Body.Spring != null ? 1 : double.IsNaN(x) ? Infinite : Math.Max(a * a + b * b + c * c, 1e-12);
                 }
             }
             for (var band = 0; band < Bands; band++) Carry(band);
         }
 
-        bool IsSoft(int node) { return compliance[node] > 0 || on[owner[node]].Body.Spring != null; }
+        void Alone(Node node)
+        {
+            var body = node.Owner.Body;
+            for (var band = 0; band < Bands; band++)
+                node.Alone[band] = body == null ? 0 : body.HalfSpace == null ? body.Mobility[band] : body.At(omega[band], node.Contact.Area);
+        }
+
+        /// <summary>Whether a body drives another with what stands behind it: what is heavier in all bands passes everything anyway.</summary>
+        static bool Drives(Node node)
+        {
+            Body body = node.Owner.Body, load = node.Partner.Owner.Body;
+            var spring = node.Contact.Function.Spring;
+            node.Opening = 1 / Math.Max(node.Contact.Weight, 1e-12);
+            node.Give = spring == null ? 0 : 1 / spring[0];
+            node.ByBodies = spring != null && body != null && load != null && (body.Kind != load.Kind || spring[0] < Infinite);
+            if (!node.ByBodies || !node.Owner.Carries) return false;
+            node.Carried = IsSoft(node);
+            for (var band = 0; band < Bands; band++) node.Carried |= node.Alone[band] > node.Partner.Alone[band];
+            return node.Carried;
+        }
+
+        static bool IsSoft(Node node) { return node.Give > 0 || node.Owner.Body.Spring != null; }
 
         /// <summary>The mobilities in a band with which small bodies drive others: those of what stands behind them, through some in a row.</summary>
         void Carry(int band)
         {
-            double[] before = round, now = mobility[band], alone = own[band], open = opening, away = flexible, over = across;
-            var other = partner;
-            for (var o = 0; o < on.Length; o++)
+            foreach (var touching in contacts)
             {
-                on[o].Due = 1;
-                var spring = on[o].Carries ? on[o].Body.Spring : null;
-                for (int node = start[o], end = start[o + 1]; node < end; node++)
-                {
-                    before[node] = now[node] = spring == null ? alone[node] : Infinite;
-                    if (!on[o].Carries) continue;
-                    away[node] = spring == null ? aside[node] / on[o].Body.Bending[band] : omega[band] / (2 * spring[0]);
-                    over[node] = away[node] + omega[band] * compliance[node];
-                }
+                touching.Node.Before = touching.Node.Alone[band];
+                touching.OtherNode.Before = touching.OtherNode.Alone[band];
+            }
+            for (var o = 0; o < carriers; o++)
+            {
+                var item = carrying[o];
+                item.Due = 1;
+                for (var k = 0; k < item.Count && item.Body.Spring != null; k++) item.Nodes[k].Before = Infinite;
             }
             for (var link = 0; link < Chain; link++)
             {
-                var swapped = before;
-                before = now;
-                now = swapped;
-                for (var o = 0; o < on.Length; o++)
+                for (var o = 0; o < carriers; o++) if ((carrying[o].Due >> link & 1) != 0) Carry(carrying[o], band, 2 << link);
+                for (var o = 0; o < carriers; o++)
                 {
-                    int first = start[o], end = start[o + 1], least = -1;
-                    var item = on[o];
-                    if (!item.Carries) continue;
-                    if ((item.Due >> link & 1) == 0)
-                    {
-                        for (var node = first; node < end; node++) now[node] = before[node];
-                        continue;
-                    }
-                    double best = Infinite, second = Infinite;
-                    for (var node = first; node < end; node++)
-                    {
-                        var beyond = other[node];
-                        if (beyond < 0) continue;
-                        var behind = open[node] * (before[beyond] + over[node]);
-                        if (behind >= second) continue;
-                        second = behind < best ? best : behind;
-                        if (behind >= best) continue;
-                        best = behind;
-                        least = node;
-                    }
-                    var isSpring = item.Body.Spring != null;
-                    for (var node = first; node < end; node++)
-                    {
-                        var driving = away[node] + (node == least ? second : best);
-                        if (!isSpring && driving > alone[node]) driving = alone[node];
-                        now[node] = driving;
-                        if (driving != before[node] && other[node] >= 0) on[owner[other[node]]].Due |= 2 << link;
-                    }
+                    var item = carrying[o];
+                    for (var k = 0; k < item.Count && (item.Due >> link & 1) != 0; k++) item.Nodes[k].Before = item.Nodes[k].Now;
                 }
+            }
+            for (var o = 0; o < carriers; o++)
+            {
+                var item = carrying[o];
+                for (var k = 0; k < item.Count; k++) item.Nodes[k].Mobility[band] = item.Nodes[k].Before;
+            }
+        }
+
+        void Carry(TracedObject item, int band, int next)
+        {
+            var isSpring = item.Body.Spring != null;
+            double flexible = isSpring ? omega[band] / (2 * item.Body.Spring[0]) : 1 / item.Body.Bending[band], best = Infinite, second = Infinite;
+            Node least = null;
+            for (var k = 0; k < item.Count; k++)
+            {
+                var node = item.Nodes[k];
+                if (node.Partner == null) continue;
+                var behind = node.Opening * (node.Partner.Before + flexible * node.Aside + omega[band] * node.Give);
+                if (behind >= second) continue;
+                second = behind < best ? best : behind;
+                if (behind >= best) continue;
+                best = behind;
+                least = node;
+            }
+            for (var k = 0; k < item.Count; k++)
+            {
+                var node = item.Nodes[k];
+                if (node.Partner == null) continue;
+                var driving = flexible * node.Aside + (node == least ? second : best);
+                node.Now = isSpring || driving < node.Alone[band] ? driving : node.Alone[band];
+                if (node.Now != node.Before) node.Partner.Owner.Due |= next;
             }
         }
 
         /// <summary>The gain of leaving through a node by the impedances of the bodies.</summary>
-        double Passed(int node, int band)
+        double Passed(Node node, int band)
         {
-            double load = own[band][partner[node]], driving = carried[node] ? mobility[band][node] : own[band][node];
+            double load = node.Partner.Alone[band], driving = node.Carried ? node.Mobility[band] : node.Alone[band];
             if (!IsSoft(node)) return Math.Min(2 / (1 + driving / load), 1);
-            var loss = compliance[node] > 0 ? contact[node].Function.Spring[1] : on[owner[node]].Body.Spring[1];
-            double above = Math.Max((driving + omega[band] * compliance[node]) / load, 2) - 1, square = loss * loss;
+            var loss = node.Give > 0 ? node.Contact.Function.Spring[1] : node.Owner.Body.Spring[1];
+            double above = Math.Max((driving + omega[band] * node.Give) / load, 2) - 1, square = loss * loss;
             return Math.Sqrt((1 + square) / (above * above + square));
         }
 
         /// <summary>The cost of leaving an object through a node.</summary>
-        double Crossing(int node, int lane)
+        double Crossing(Node node, int lane)
         {
-            var known = crossing[lane][node];
-            if (!double.IsNaN(known)) return known;
-            var touching = contact[node];
+            if (!double.IsNaN(node.Crossing[lane])) return node.Crossing[lane];
+            var touching = node.Contact;
             var function = touching.Function;
-            int from = touching.Node, to = touching.OtherNode;
-            double cost = function.Loss[lane], distance = x[from] == x[to] && y[from] == y[to] && z[from] == z[to] ? 0 : Distance(from, to);
+            double cost = function.Loss[lane], distance = node.Distance(node.Partner);
             if (distance > 0 || function.IsSpecial) cost += function.Decay[lane] * distance + function.Shape(distance, Value(touching, distance), 0, 0, 0);
             if (touching.Weight < 1) cost -= Math.Log(touching.Weight);
-            if (byBodies[node])
+            if (node.ByBodies)
             {
                 var gain = lane > 0 ? Passed(node, lane - 1) : 0;
                 for (var band = 0; band < Bands && lane == 0; band++) gain = Math.Max(gain, Passed(node, band));
                 cost -= Math.Log(gain);
             }
-            return crossing[lane][node] = cost;
+            return node.Crossing[lane] = cost;
         }
 
         static double Value(Contact touching, double distance)
@@ -707,59 +679,52 @@ namespace HapticTracer
             Array.Copy(source.Later, source.Late, source.Later.Length);
         }
 
-        double Distance(int a, int b)
-        {
-            double u = x[a] - x[b], v = y[a] - y[b], w = z[a] - z[b];
-            return Math.Max(Math.Sqrt(u * u + v * v + w * w) - reach[a] - reach[b], 0);
-        }
-
         /// <summary>Dijkstra's algorithm; one step is through an object and over a contact.</summary>
         void Search(Source source, int lane)
         {
-            var count = start[Objects.Count];
-            for (var node = 0; node < count; node++)
-            {
-                arrival[node] = Limit * (1 + 1e-15);
-                entry[node] = -1;
-                settled[node] = false;
-            }
+            foreach (var item in Objects)
+                for (var k = 0; k < item.Count; k++)
+                {
+                    var node = item.Nodes[k];
+                    node.Arrival = Limit * (1 + 1e-15);
+                    node.Entry = null;
+                    node.Settled = false;
+                }
             var limit = Limit;
             size = 0;
             Push(0, source.Node);
-            if (source.SecondNode != source.Node) Push(0, source.SecondNode);
-            double[] leaving = crossing[lane], u = x, v = y, w = z, to = arrival, fronts = run, halves = half, balls = reach;
+            if (source.Second != null) Push(0, source.SecondNode);
             while (size > 0 && keys[0] <= limit)
             {
                 var near = keys[0];
                 var begin = values[0];
                 Pop();
-                var number = owner[begin];
-                var function = on[number].Function;
-                near += function.Loss[lane];
-                if (settled[begin] || to[begin] <= near && !isSpecial) continue;
-                settled[begin] = true;
-                double decay = function.Decay[lane], x0 = u[begin], y0 = v[begin], z0 = w[begin], ball = balls[begin];
+                var item = begin.Owner;
+                near += item.Function.Loss[lane];
+                if (begin.Settled || begin.Arrival <= near && !isSpecial) continue;
+                begin.Settled = true;
+                var decay = item.Function.Decay[lane];
                 var isNearer = false;
-                for (int end = start[number], last = start[number + 1]; end < last; end++)
+                for (var k = 0; k < item.Count; k++)
                 {
-                    if (end == begin || to[end] <= near) continue;
-                    double dx = u[end] - x0, dy = v[end] - y0, dz = w[end] - z0;
-                    var distance = Math.Max(Math.Sqrt(dx * dx + dy * dy + dz * dz) - ball - balls[end], 0);
+                    var end = item.Nodes[k];
+                    if (end == begin || end.Arrival <= near) continue;
+                    var distance = begin.Distance(end);
                     var far = near + decay * distance;
-                    if (far >= to[end]) continue;
-                    far += function.Shape(distance, distance, fronts[begin], fronts[end], halves[begin] + halves[end]);
-                    if (far >= to[end]) continue;
-                    to[end] = far;
-                    entry[end] = begin;
-                    isNearer |= listens[end];
-                    var over = partner[end];
-                    if (over < 0) continue;
-                    far += double.IsNaN(leaving[end]) ? Crossing(end, lane) : leaving[end];
-                    if (far <= limit && (isSpecial || far + on[owner[over]].Function.Loss[lane] < to[over])) Push(far, over);
+                    if (far >= end.Arrival) continue;
+                    far += begin.Shape(end, distance);
+                    if (far >= end.Arrival) continue;
+                    end.Arrival = far;
+                    end.Entry = begin;
+                    isNearer |= end.Listens;
+                    var over = end.Partner;
+                    if (over == null) continue;
+                    far += Crossing(end, lane);
+                    if (far <= limit && (isSpecial || far + over.Owner.Function.Loss[lane] < over.Arrival)) Push(far, over);
                 }
                 if (!isNearer) continue;
                 var dearest = 0.0;
-                foreach (var listener in Listeners) dearest = Math.Max(dearest, to[listener.Node]);
+                foreach (var listener in Listeners) dearest = Math.Max(dearest, listener.Node.Arrival);
                 limit = Math.Min(limit, dearest);
             }
         }
@@ -773,7 +738,7 @@ namespace HapticTracer
                 var path = source.Paths[l];
                 var node = Listeners[l].Node;
                 if (path.Count > 0) continue;
-                if (entry[node] < 0)
+                if (node.Entry == null)
                 {
                     all = false;
                     continue;
@@ -782,18 +747,16 @@ namespace HapticTracer
                 var late = 0.0;
                 while (true)
                 {
-                    var begin = entry[node];
-                    var function = Objects[owner[node]].Function;
-                    var distance = Distance(begin, node);
-                    var shape = function.Shape(distance, distance, run[begin], run[node], half[begin] + half[node]);
+                    var begin = node.Entry;
+                    var function = node.Owner.Function;
+                    double distance = begin.Distance(node), shape = begin.Shape(node, distance);
                     for (var lane = 0; lane < Lanes; lane++) costs[lane] += function.Loss[lane] + function.Decay[lane] * distance + shape;
                     late += function.Slowness * distance;
-                    if (path.Count == 0 || path[path.Count - 1] != owner[node]) path.Add(owner[node]);
-                    node = partner[begin];
-                    if (node < 0) break;
-                    var touching = contact[begin];
+                    if (path.Count == 0 || path[path.Count - 1] != node.Owner) path.Add(node.Owner);
+                    node = begin.Partner;
+                    if (node == null) break;
                     for (var lane = 0; lane < Lanes; lane++) costs[lane] += Crossing(node, lane);
-                    late += touching.Function.Slowness * (touching.At - touching.OtherAt).Length;
+                    late += node.Contact.Function.Slowness * node.Distance(begin);
                 }
                 path.Reverse();
                 for (var lane = 0; lane < Lanes; lane++) source.Gains[l * Lanes + lane] = Math.Exp(-costs[lane]);
@@ -802,7 +765,7 @@ namespace HapticTracer
             return all;
         }
 
-        void Push(double key, int value)
+        void Push(double key, Node value)
         {
             if (size == keys.Length)
             {
@@ -962,14 +925,15 @@ namespace HapticTracer
             foreach (Dictionary<string, object> row in List(file["contacts"]))
             {
                 List<object> objects = List(row["objects"]), places = List(row["positions"]);
-                var added = new Contact { One = Whole(objects[0]), Other = Whole(objects[1]), Near = Vector(places[0]), OtherNear = Vector(places[1]), NormalNear = Vector(row["normal"]), Area = (double)row["area"], Depth = (double)row["depth"], Weight = (double)row["weight"], Function = functions[Whole(row["function"])], Stays = true };
+                var added = new Contact { One = tracer.Objects[Whole(objects[0])], Other = tracer.Objects[Whole(objects[1])], Near = Vector(places[0]), OtherNear = Vector(places[1]), NormalNear = Vector(row["normal"]), Area = (double)row["area"], Depth = (double)row["depth"], Weight = (double)row["weight"], Function = functions[Whole(row["function"])], Stays = true };
                 tracer.contacts.Add(added);
-                tracer.staying.Add(Key(added.One, added.Other));
+                added.One.Joined.Add(added.Other);
+                added.Other.Joined.Add(added.One);
             }
             foreach (Dictionary<string, object> row in List(file["sources"]))
-                tracer.Sources.Add(new Source { Name = (string)row["name"], On = Whole(row["object"]), Position = Vector(row["position"]), Amplitude = (double)row["amplitude"], Once = (bool)row["once"], Signal = signals[Whole(row["signal"])] });
+                tracer.Sources.Add(new Source { Name = (string)row["name"], On = tracer.Objects[Whole(row["object"])], Position = Vector(row["position"]), Amplitude = (double)row["amplitude"], Once = (bool)row["once"], Signal = signals[Whole(row["signal"])] });
             foreach (Dictionary<string, object> row in List(file["listeners"]))
-                tracer.Listeners.Add(new Listener { Name = (string)row["name"], BodyPart = (string)row["body_part"], On = Whole(row["object"]), Position = Vector(row["position"]), Radius = (double)row["radius"], Gain = (double)row["gain"], SMax = (double)row["s_max"] });
+                tracer.Listeners.Add(new Listener { Name = (string)row["name"], BodyPart = (string)row["body_part"], On = tracer.Objects[Whole(row["object"])], Position = Vector(row["position"]), Radius = (double)row["radius"], Gain = (double)row["gain"], SMax = (double)row["s_max"] });
             return tracer;
         }
 
@@ -1064,30 +1028,13 @@ namespace HapticTracer
                     return items;
                 case '"':
                     while (text[place] != '"') place += text[place] == '\\' ? 2 : 1;
-                    return Unescaped(text.Substring(start + 1, place++ - start - 1));
+                    return Regex.Unescape(text.Substring(start + 1, place++ - start - 1));
                 case 't': place += 3; return true;
                 case 'f': place += 4; return false;
                 case 'n': place += 3; return null;
             }
             while (place < text.Length && "+-.eE0123456789".IndexOf(text[place]) >= 0) place++;
             return double.Parse(text.Substring(start, place - start), CultureInfo.InvariantCulture);
-        }
-
-        static string Unescaped(string text)
-        {
-            if (text.IndexOf('\\') < 0) return text;
-            var found = new StringBuilder();
-            for (var i = 0; i < text.Length; i++)
-            {
-                var escaped = text[i] == '\\' ? "bfnrt".IndexOf(text[++i]) : -2;
-                if (escaped >= -1 && text[i] == 'u')
-                {
-                    found.Append((char)Convert.ToInt32(text.Substring(i + 1, 4), 16));
-                    i += 4;
-                }
-                else found.Append(escaped < 0 ? text[i] : "\b\f\n\r\t"[escaped]);
-            }
-            return found.ToString();
         }
 
         static bool More(string text, ref int place, char close)

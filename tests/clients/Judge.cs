@@ -29,7 +29,7 @@ static class Judge
             {
                 case "move": tracer.Objects[first].Move(n[1], n[2], n[3], n[4], n[5], n[6], n[7]); break;
                 case "touch":
-                    var contact = tracer.Touch(first, second);
+                    var contact = tracer.Touch(tracer.Objects[first], tracer.Objects[second]);
                     if (contact == null) break;
                     contacts.Add(contact);
                     contact.At = At(n, 2);
@@ -45,10 +45,10 @@ static class Judge
                     contacts.Clear();
                     break;
                 case "amplitude": tracer.Sources[first].Amplitude = n[1]; break;
-                case "source": tracer.Sources[first].Position = tracer.Objects[tracer.Sources[first].On].ToLocal(At(n, 1)); break;
-                case "listener": tracer.Listeners[first].Position = tracer.Objects[tracer.Listeners[first].On].ToLocal(At(n, 1)); break;
+                case "source": tracer.Sources[first].Position = tracer.Sources[first].On.ToLocal(At(n, 1)); break;
+                case "listener": tracer.Listeners[first].Position = tracer.Listeners[first].On.ToLocal(At(n, 1)); break;
                 case "play": tracer.Play(tracer.Sources[first]); break;
-                case "blow": tracer.Blow(first, second, At(n, 2), n[5], n[6]); break;
+                case "blow": tracer.Blow(tracer.Objects[first], tracer.Objects[second], At(n, 2), n[5], n[6]); break;
                 case "step":
                     tracer.Step(n[0]);
                     Console.WriteLine(Answer(tracer));
@@ -64,14 +64,14 @@ static class Judge
         var listeners = Enumerable.Range(0, tracer.Listeners.Count).ToArray();
         var levels = listeners.Select(l => Text(tracer.Level(l)));
         return "{\"levels\":" + Row(levels) + ",\"count\":" + tracer.Count
-            + ",\"sources\":" + Row(tracer.Sources.Select(source => Heard(source, listeners)))
-            + ",\"blows\":" + Row(tracer.Blows.Select(source => Heard(source, listeners))) + "}";
+            + ",\"sources\":" + Row(tracer.Sources.Select(source => Heard(tracer, source, listeners)))
+            + ",\"blows\":" + Row(tracer.Blows.Select(source => Heard(tracer, source, listeners))) + "}";
     }
 
-    static string Heard(Source source, int[] listeners)
+    static string Heard(Tracer tracer, Source source, int[] listeners)
     {
         return "{\"amplitude\":" + Text(source.Amplitude) + ",\"gains\":" + Row(listeners.Select(l => Text(source.Gain(l))))
-            + ",\"delays\":" + Row(source.Later.Select(Text)) + ",\"lanes\":" + Row(source.Gains.Select(Text)) + ",\"paths\":" + Row(source.Paths.Select(path => Row(path.Select(number => number.ToString())))) + "}";
+            + ",\"delays\":" + Row(source.Later.Select(Text)) + ",\"lanes\":" + Row(source.Gains.Select(Text)) + ",\"paths\":" + Row(source.Paths.Select(path => Row(path.Select(item => tracer.Objects.IndexOf(item).ToString())))) + "}";
     }
 
     static string Row(IEnumerable<string> parts) { return "[" + string.Join(",", parts) + "]"; }
