@@ -97,7 +97,7 @@ namespace HapticTracer
     /// <summary>An object that vibration runs through.</summary>
     public sealed class TracedObject
     {
-        public string Name;
+        public string Name = "";
         public Function Function;
         /// <summary>Its class in the tables of contacts and blows, and its mass in kilograms, 0 if nothing moves it.</summary>
         public int Class;
@@ -382,7 +382,7 @@ namespace HapticTracer
             var impact = Impacts[one.Class][other.Class];
             if (impact == null || energy < impact.LeastEnergy) return false;
             var strength = Math.Min(energy / impact.FullEnergy, 1);
-            if (Blows.Count == MostBlows) End(Blows[0]);
+            if (Blows.Count == MostBlows) Remove(Blows[0]);
             var blow = spareBlows.Count > 0 ? spareBlows.Pop() : new Source { Once = true };
             blow.Signal = impact.Signals[(int)Math.Round(strength * (impact.Signals.Length - 1))];
             blow.Amplitude = impact.WeakGain + (impact.FullGain - impact.WeakGain) * strength;
@@ -431,12 +431,22 @@ namespace HapticTracer
             return energy > 1e-10 * recentCount ? 10 * Math.Log10(energy / recentCount) : double.NaN;
         }
 
-        void End(Source blow)
+        /// <summary>Silence a source, or a blow, for good.</summary>
+        public void Remove(Source source)
         {
-            for (var i = voices.Count - 1; i >= 0; i--) if (voices[i].Source == blow) voices.RemoveAt(i);
-            blow.Voices = 0;
-            Blows.Remove(blow);
-            spareBlows.Push(blow);
+            for (var i = voices.Count - 1; i >= 0; i--) if (voices[i].Source == source) voices.RemoveAt(i);
+            source.Voices = 0;
+            Sources.Remove(source);
+            if (Blows.Remove(source)) spareBlows.Push(source);
+        }
+
+        /// <summary>Take away an object that touches nothing any more, with what is on it.</summary>
+        public void Remove(TracedObject item)
+        {
+            for (var i = Blows.Count - 1; i >= 0; i--) if (Blows[i].On == item || Blows[i].Second == item) Remove(Blows[i]);
+            for (var i = Sources.Count - 1; i >= 0; i--) if (Sources[i].On == item) Remove(Sources[i]);
+            Listeners.RemoveAll(listener => listener.On == item);
+            Objects.Remove(item);
         }
 
         // The graph.
@@ -830,7 +840,7 @@ namespace HapticTracer
                 voices.RemoveAt(i);
                 voice.Source.Voices--;
             }
-            for (var i = Blows.Count - 1; i >= 0; i--) if (Blows[i].Voices == 0) End(Blows[i]);
+            for (var i = Blows.Count - 1; i >= 0; i--) if (Blows[i].Voices == 0) Remove(Blows[i]);
             foreach (var felt in Listeners)
             {
                 var samples = felt.Samples;

@@ -8,6 +8,7 @@ using System.Globalization;
 using System.IO;
 using System.Net.WebSockets;
 using System.Text;
+using System.Text.RegularExpressions;
 using System.Threading;
 using System.Threading.Tasks;
 
@@ -308,21 +309,9 @@ namespace HapticTracing
 
         static string ReadText(string text, ref int place)
         {
-            var found = new StringBuilder();
-            for (place++; text[place] != '"'; place++)
-            {
-                if (text[place] != '\\') { found.Append(text[place]); continue; }
-                place++;
-                var escaped = "bfnrt".IndexOf(text[place]);
-                if (text[place] == 'u')
-                {
-                    found.Append((char)Convert.ToInt32(text.Substring(place + 1, 4), 16));
-                    place += 4;
-                }
-                else found.Append(escaped < 0 ? text[place] : "\b\f\n\r\t"[escaped]);
-            }
-            place++;
-            return found.ToString();
+            var start = ++place;
+            while (text[place] != '"') place += text[place] == '\\' ? 2 : 1;
+            return Regex.Unescape(text.Substring(start, place++ - start));
         }
     }
 }

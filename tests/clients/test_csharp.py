@@ -1,4 +1,4 @@
-"""The C# client, compiled and run by Mono, against the server."""
+"""The C# client, compiled and run by Mono, against the server, and what is beside it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CLIENT = ROOT / "clients" / "csharp"
+HERE = Path(__file__).parent
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(
@@ -21,17 +22,61 @@ pytestmark = [
 ]
 
 
-def test_the_sample_feels_the_crate_land(tmp_path):
+def compiled(program, *sources, options=()):
+    """The program of some sources."""
     assert shutil.which("mcs"), "Mono is missing: packaging/system_packages test"
-    program = tmp_path / "fall.exe"
-    sources = [CLIENT / "HapticTracing.cs", CLIENT / "Fall.cs"]
-    compiled = subprocess.run(
-        ["mcs", "-warnaserror", f"-out:{program}", "-r:System.Net.Http", *sources],
+    done = subprocess.run(
+        ["mcs", "-warnaserror", *options, f"-out:{program}", *sources],
         capture_output=True,
         text=True,
         timeout=120,
     )
-    assert compiled.returncode == 0, compiled.stdout + compiled.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
+    return program
+
+
+def test_components_of_unity_compile(tmp_path):
+    """Against declarations of what they use of it."""
+    names = ("Tracing", "TracingBehaviour", "Tracer", "Object", "Source", "Listener")
+    compiled(
+        tmp_path / "components.dll",
+        *(CLIENT / f"Haptic{name}.cs" for name in names),
+        HERE / "UnityEngine.cs",
+        # Unity sets what its inspector shows.
+        options=(
+            "-target:library", "-langversion:7", "-nowarn:649", "-d:ENABLE_INPUT_SYSTEM",
+            "-r:System.Net.Http",
+        ),
+    )  # fmt: skip
+
+
+def test_a_tracer_that_is_made_in_code(tmp_path):
+    """Without a file gains are those of the functions, and what parts or goes is silent."""
+    program = compiled(tmp_path / "made.exe", CLIENT / "HapticTracer.cs", HERE / "MadeInCode.cs")
+    done = subprocess.run(["mono", program], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+    touching, parted, struck, removed = (
+        [float(word) for word in line.split()] for line in done.stdout.splitlines()
+    )
+    # The tone is 2 m above the contact, the ball of the listener ends 2.5 m beside it.
+    gain = math.exp(-0.3 * 2) * 0.4 * math.exp(-0.4 * 2.5)
+    assert touching[0] == pytest.approx(gain, rel=1e-9)
+    assert touching[1] == pytest.approx(20 * math.log10(gain * 0.5 / math.sqrt(2)), abs=1e-3)
+    assert touching[2] == 2
+    assert parted[0] == 0 and math.isnan(parted[1]) and parted[2] == 0
+    assert struck[0] == pytest.approx(4 * 5**2 / 2 / 100)
+    assert struck[1] == pytest.approx(0.4 * math.exp(-0.4 * 2.5), rel=1e-9)
+    assert not math.isnan(struck[2])
+    assert removed[:2] == [1, 0] and math.isnan(removed[2])
+
+
+def test_the_sample_feels_the_crate_land(tmp_path):
+    program = compiled(
+        tmp_path / "fall.exe",
+        CLIENT / "HapticTracing.cs",
+        CLIENT / "Fall.cs",
+        options=("-r:System.Net.Http",),
+    )
     command = [
         sys.executable,
         "-m",
