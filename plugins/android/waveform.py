@@ -14,10 +14,11 @@ import numpy as np
 from ...core.formats.io.json_text import write_compact
 from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import Tracks
-from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
+from ...core.formats.tracks.track_export import TrackExport, common_losses, credit
 from ...core.forms import Form
 from ..keyframes.comparison import Comparison, Kind, Measures
 from ..keyframes.envelopes import compare_steps, vibration_envelope
+from ..keyframes.files import listener_files
 
 LARGEST = 255
 """The amplitude of full strength."""

@@ -25,11 +25,11 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.formats.io.budget import Budget
 from ...core.formats.io.error import FormatError, errors_in
-from ...core.formats.io.json_text import json_points, write_compact
-from ...core.formats.io.strict_json import parse_json, read_bytes, without_trailing_commas
+from ...core.formats.io.json_text import write_compact
+from ...core.formats.io.strict_json import parse_json, read_bytes
 from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
+from ...core.formats.tracks.track_export import TrackExport, common_losses, credit
 from ...core.formats.tracks.vibration_file import VibrationFile
 from ...core.forms import Form, JsonObject
 from ...core.scene.references import Place, PlacedError
@@ -39,6 +39,7 @@ from ..keyframes.carrier import Carrier, compare_carriers
 from ..keyframes.channel import KeyframedChannel
 from ..keyframes.comparison import Comparison, Kind, Measures
 from ..keyframes.envelopes import WithoutBursts, bursts_of, vibration_envelope
+from ..keyframes.files import json_points, listener_files, without_trailing_commas
 from ..keyframes.left_out import without_damaged
 
 TRANSIENTS_SUFFIX = ".transients.ahap"

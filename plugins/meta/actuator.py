@@ -10,10 +10,11 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.formats.io.error import FormatError
-from ...core.formats.io.strict_json import parse_json, read_bytes, without_trailing_commas
+from ...core.formats.io.strict_json import parse_json, read_bytes
 from ...core.forms import JsonObject
 from ...core.frozen import frozen
 from ..keyframes.carrier import Carrier
+from ..keyframes.files import without_trailing_commas
 from .json5 import as_json
 
 DUCKING = 0.5

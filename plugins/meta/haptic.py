@@ -20,12 +20,12 @@ import numpy as np
 
 from ...core.arrays import FloatArray
 from ...core.formats.io.error import FormatError
-from ...core.formats.io.json_text import json_points, write_compact, write_json
+from ...core.formats.io.json_text import write_compact, write_json
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
 from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import ListenerTrack, Tracks
-from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
+from ...core.formats.tracks.track_export import TrackExport, common_losses, credit
 from ...core.formats.tracks.vibration_file import VibrationFile
 from ...core.forms import Form, JsonObject
 from ..keyframes.carrier import Carrier, compare_carriers
@@ -38,6 +38,7 @@ from ..keyframes.envelopes import (
     single_carrier,
     thinned_carrier,
 )
+from ..keyframes.files import json_points, listener_files
 from ..keyframes.fitting import Fit
 from ..keyframes.left_out import without_damaged
 from .actuator import ACTUATORS, DUCKING, Actuator, actuator_beside, power

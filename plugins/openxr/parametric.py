@@ -17,15 +17,16 @@ from pathlib import Path
 import numpy as np
 
 from ...core.arrays import FloatArray
-from ...core.formats.io.json_text import json_points, write_compact
+from ...core.formats.io.json_text import write_compact
 from ...core.formats.tracks.fidelity import Progress
 from ...core.formats.tracks.listener_tracks import Tracks
-from ...core.formats.tracks.track_export import TrackExport, common_losses, credit, listener_files
+from ...core.formats.tracks.track_export import TrackExport, common_losses, credit
 from ...core.forms import Form, JsonObject
 from ...core.signals.drawn import EMPHASIS_SECONDS
 from ..keyframes.carrier import Carrier, compare_carriers
 from ..keyframes.comparison import Comparison, Kind, Measures
 from ..keyframes.envelopes import Burst, WithoutBursts, bursts_of, thinned_carrier
+from ..keyframes.files import json_points, listener_files
 
 MOST = 500
 """``XR_HAPTIC_PARAMETRIC_MAX_POINTS_TRANSIENTS_EXT``."""

@@ -12,7 +12,7 @@ import numpy as np
 from ...core.arrays import FloatArray
 from ...core.formats.io.error import FormatError
 from ...core.formats.io.file_names import file_stem, file_stems
-from ...core.formats.io.json_text import json_points, write_compact, write_json
+from ...core.formats.io.json_text import write_compact, write_json
 from ...core.formats.io.schema import validate
 from ...core.formats.io.strict_json import read_json
 from ...core.formats.tracks.fidelity import Progress
@@ -24,6 +24,7 @@ from ..keyframes.bands import wide_bands
 from ..keyframes.carrier import Carrier, compare_carriers
 from ..keyframes.channel import KeyframedChannel
 from ..keyframes.comparison import Comparison, Kind, Measures
+from ..keyframes.files import json_points
 from ..keyframes.fitting import Fit, fit_bands
 from ..keyframes.left_out import without_damaged
 from ..keyframes.transients import TRANSIENT_SECONDS, transient_carrier, without_transients

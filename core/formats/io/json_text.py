@@ -6,8 +6,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-from ...arrays import FloatArray
-from ...forms import JsonObject
 from .atomic import write_text
 
 
@@ -17,15 +15,6 @@ def compact(value: Any) -> str:
 
 
 _ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-
-
-def json_points(
-    first_key: str, second_key: str, first: FloatArray, second: FloatArray
-) -> list[JsonObject]:
-    """Objects with the same two keys, from a column (n,) of numbers for each."""
-    return [
-        {first_key: x, second_key: y} for x, y in zip(first.tolist(), second.tolist(), strict=True)
-    ]
 
 
 def write_compact(path: Path, value: Any) -> Path:

@@ -35,8 +35,6 @@ _STEPS = np.zeros(256, dtype=np.int8)
 """By byte: the change of the nesting depth, 1 at an opening and -1 at a closing bracket."""
 _STEPS[list(b"[{")], _STEPS[list(b"]}")] = 1, -1
 
-_TRAILING = re.compile(rb'"(?:[^"\\]++|\\.)*+"|,(?=[ \t\r\n]*[]}])', re.DOTALL)
-"""A string, or a comma outside of strings before a closing bracket."""
 _SURROGATE_ESCAPE = re.compile(rb"\\u[dD][89a-fA-F]")
 
 _BLENDER_FILES = b"BLENDER", b"\x28\xb5\x2f\xfd"
@@ -73,12 +71,6 @@ def _read_up_to(file: BinaryIO | gzip.GzipFile, most: int) -> bytes:
         pieces.append(piece)
         most -= len(piece)
     return b"".join(pieces)
-
-
-def without_trailing_commas(data: bytes) -> bytes:
-    """JSON text with a space in place of each comma before a closing bracket, which some
-    applications accept."""
-    return _TRAILING.sub(lambda found: b" " if found[0] == b"," else found[0], data)
 
 
 def _without_escapes(data: bytes) -> bytes:

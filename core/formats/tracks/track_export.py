@@ -8,8 +8,8 @@ from typing import Protocol
 
 from ...forms import Form
 from ...scene.body import BODY_PART, BodyPart
-from ..io.file_names import file_stem, file_stems
-from .listener_tracks import ListenerTrack, Row, Tracks
+from ..io.file_names import file_stem
+from .listener_tracks import ListenerTrack, Tracks
 
 EDITOR = "Haptic Tracing"
 
@@ -38,23 +38,6 @@ def credit(export: TrackExport) -> str:
 def body_part_of(listener: ListenerTrack) -> BodyPart | None:
     """The listener's row of the body table; None if it has none."""
     return BODY_PART.get(listener.body_part)
-
-
-def listener_files(
-    export: TrackExport, folder: Path, suffix: str
-) -> Iterator[tuple[int, ListenerTrack, Row, Path]]:
-    """Number, name and samples of each listener, and the path of its file:
-    ``<scene>.<listener><suffix>``, or ``<scene><suffix>`` for the only one."""
-    tracks = export.need_tracks()
-    names = (
-        [export.name]
-        if len(tracks.listeners) == 1
-        else [f"{export.name}.{listener.name}" for listener in tracks.listeners]
-    )
-    for number, (listener, stem) in enumerate(
-        zip(tracks.listeners, file_stems(names), strict=True)
-    ):
-        yield number, listener, tracks.row(number), folder / f"{stem}{suffix}"
 
 
 def scene_file(name: str, folder: Path, suffix: str) -> Path:
