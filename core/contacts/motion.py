@@ -51,6 +51,8 @@ _DEVIATION = 0.001
 """Metres of deviation from the extrapolated path above which a body counts as disturbed."""
 _TURN = 3e-3
 """Angle [rad] up to which a body turns on as before."""
+_SWERVE = 0.05
+"""Part of its speed by which a body deviates at most that speeds up or turns as before."""
 _CHANGE = 1.0
 """The same where an interval is longer than 1/22 s: a change of acceleration [m/s^2], as that of a
 body whose fall is damped."""
@@ -271,7 +273,9 @@ class MotionHistory:
 
     def deviated(self, paths: Paths) -> BoolArray:
         """Which moving bodies (n,) are neither at the ends of their ``paths`` nor where these would
-        end without acceleration, and don't move and turn on as before."""
+        end without acceleration, and don't move and turn on as before, at the same speeds or with
+        the same changes of them: what swings on a hinge, or is pulled by something unknown, is
+        not hit."""
         rows = self.moving().nonzero()[0]
         t, count, paths = paths.duration, len(paths.certain), paths.chosen(rows)
         travel = paths.end[9:] - paths.start[9:]
@@ -279,11 +283,15 @@ class MotionHistory:
         straight = travel - paths.velocity * t
         bent = straight - paths.acceleration * (t * t / 2)
         limit = max(_DEVIATION, _CHANGE / 2 * t * t)
-        turn = spins(paths.start, paths.end, t)
-        turn -= spins(paths.earlier, paths.start, paths.earlier_duration)
-        on = (_squared(travel - chord * t) <= (_CHANGE / 2 * t * t) ** 2) & (
-            _squared(turn) * t * t <= _TURN**2
-        )
+        change = travel / t - chord
+        spin = spins(paths.earlier, paths.start, paths.earlier_duration)
+        turn = spins(paths.start, paths.end, t) - spin
+        on = (_squared(change) <= (_CHANGE / 2 * t) ** 2) & (_squared(turn) * t * t <= _TURN**2)
+        if len(self.times) > _DEPTH:
+            before, step = self._poses[-4][:, rows], self.times[-3] - self.times[-4]
+            change -= chord - _travels(before, paths.earlier, step)
+            turn -= spin - spins(before, paths.earlier, step)
+            on |= _is_small(change, chord, limit / t) & _is_small(turn, spin, _TURN / t)
         ways = np.minimum(_squared(straight), _squared(bent))
         found = np.zeros(count, dtype=np.bool_)
         found[rows] = (ways > limit**2) & ~on
@@ -547,6 +555,11 @@ def approach(gaps: FloatArray, steps: FloatArray) -> tuple[FloatArray, FloatArra
 def _travels(start: FloatArray, end: FloatArray, time: float) -> FloatArray:
     """Velocities (3, n) of the origins that lead from the one poses to the others."""
     return (end[9:] - start[9:]) / time
+
+
+def _is_small(change: FloatArray, of: FloatArray, limit: float) -> BoolArray:
+    """Which changes (3, n) of velocities are within the ``limit`` or `_SWERVE`."""
+    return np.asarray(_squared(change) <= np.maximum(limit**2, _SWERVE**2 * _squared(of)))
 
 
 def _squared(vectors: FloatArray) -> FloatArray:

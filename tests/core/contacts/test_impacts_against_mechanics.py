@@ -239,6 +239,56 @@ def test_turning_body():
     assert impacts[0].energy == pytest.approx(0.5 * mass * (spin * arm) ** 2, rel=0.01)
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.25, 0.5, 0.75])
+@pytest.mark.parametrize("rate", [24.0, 30.0, 60.0])
+@pytest.mark.parametrize("length", [1.0, 2.0, 5.0])
+def test_a_pendulum_strikes_a_wall(length, rate, phase):
+    """Let go at 1 rad, it hits at its lowest point with m g L (1 - cos 1 rad). Its angle is
+    2 asin(k cd(t √(g / L))), k = sin(1/2), of Jacobi's elliptic functions."""
+    special = pytest.importorskip("scipy.special")
+    modulus, slow = math.sin(0.5) ** 2, math.sqrt(length / G)
+    lowest = special.ellipk(modulus) * slow
+    tracker = ContactTracker(
+        [Body("wall", Box((1, 2, 2)), motion="static"), Body("ball", Sphere(0.1), 3.0)],
+        ContactSettings(energy="effective", least_energy=1e-3),
+    )
+    impacts = []
+    for frame in range(math.ceil((lowest + 0.3) * rate)):
+        time = min(max((frame - phase) / rate, 0.0), lowest)
+        _, cn, dn, _ = special.ellipj(time / slow, modulus)
+        angle = 2 * math.asin(math.sqrt(modulus) * cn / dn)
+        place = length * math.sin(angle), 0, -length * math.cos(angle)
+        matrices = poses((-0.6, 0, -length), place)
+        matrices[1, :3, :3] = [
+            [math.cos(angle), 0, -math.sin(angle)],
+            [0, 1, 0],
+            [math.sin(angle), 0, math.cos(angle)],
+        ]
+        impacts += tracker.update(frame / rate, matrices).impacts
+    (impact,) = impacts
+    assert impact.time == pytest.approx(lowest + phase / rate, abs=0.002)
+    assert impact.energy == pytest.approx(3 * G * length * (1 - math.cos(1)), rel=0.11)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.25, 0.5, 0.75])
+@pytest.mark.parametrize("rate", [24.0, 60.0])
+@pytest.mark.parametrize("acceleration", [2.0, 6.0, 20.0])
+def test_what_something_unknown_pulls_strikes(acceleration, rate, phase):
+    """A crate that a rope pulls along from rest, for 1.5 m, into a wall: m a s."""
+    tracker = ContactTracker(
+        [Body("wall", Box((1, 2, 2)), motion="static"), Body("crate", Box((1, 1, 1)), 5.0)],
+        ContactSettings(energy="effective", least_energy=1e-3),
+    )
+    arrival, impacts = math.sqrt(2 * 1.5 / acceleration), []
+    for frame in range(math.ceil((arrival + 0.3) * rate)):
+        time = min(max((frame - phase) / rate, 0.0), arrival)
+        place = -1 - 1.5 + acceleration * time**2 / 2
+        impacts += tracker.update(frame / rate, poses((0, 0, 0), (place, 0, 0))).impacts
+    (impact,) = impacts
+    assert impact.time == pytest.approx(arrival + phase / rate, abs=0.002)
+    assert impact.energy == pytest.approx(5 * acceleration * 1.5, rel=0.05)
+
+
 def test_animated_hammer():
     """A keyframed body hits one that rests: its own mass and speed count."""
     tracker = ContactTracker(
