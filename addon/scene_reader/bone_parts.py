@@ -26,12 +26,12 @@ from ..blender.units import metres_per_unit
 from .world_transforms import apply_stretch, in_metres, rigid_transforms
 
 _KEEP_PLACES = {
-    *("ARMATURE", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "MULTIRES", "NORMAL_EDIT", "SMOOTH"),
-    *("SUBSURF", "TRIANGULATE", "UV_PROJECT", "UV_WARP", "VERTEX_WEIGHT_EDIT"),
-    *("VERTEX_WEIGHT_MIX", "WEIGHTED_NORMAL"),
+    *("ARMATURE", "CORRECTIVE_SMOOTH", "DECIMATE", "EDGE_SPLIT", "LAPLACIANSMOOTH", "MULTIRES"),
+    *("NORMAL_EDIT", "SMOOTH", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "UV_PROJECT", "UV_WARP"),
+    *("VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "WEIGHTED_NORMAL", "WELD"),
 }
-"""Types of modifiers after which the vertices of the mesh are still the first ones, about where
-the armature moved them."""
+"""Types of modifiers after which the vertices of the mesh are still the first ones, or fewer, about
+where the armature moved them."""
 
 _SMOOTH = 5e-4
 """Metres by which vertices of a part may be outside its hull: a limb of thousands of vertices needs

@@ -115,10 +115,13 @@ def test_a_walk_is_felt_in_the_feet(scene, walker):
             assert ("foot.L", "foot.R")[1 - step % 2] in felt, (step, felt)
 
 
-def test_feet_strike_with_the_energies_of_walking(scene, walker):
+@pytest.mark.parametrize("modifier", [None, "DECIMATE", "EDGE_SPLIT", "SOLIDIFY", "WELD"])
+def test_feet_strike_with_the_energies_of_walking(scene, walker, modifier):
     """Feet that come down flat at 0.6 m/s once a step, with the effective mass of a heel, 6.3 % of
     the body's (Chi and Schmitt, J. Biomechanics 2005), by that of the reference adult (73 kg, 1.76
     m, ICRP Publication 89) at this height; heels of people strike with 0.2 to 4 J."""
+    if modifier is not None:
+        walker.skin.modifiers.new(modifier, modifier)
     bpy.ops.haptic.add_footsteps()
     blows = blows_of(scene)
     assert [(frame - 1) / STEP for frame, _ in blows] == [1, 2, 3, 4, 5, 6]
