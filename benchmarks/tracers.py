@@ -1,7 +1,7 @@
 """The time of a step of the tracers in engines: walls of bricks on a ground, ten listeners, four
 sources; all contacts move at every step, and all samples are mixed.
 
-python benchmarks/tracers.py [BODIES ...]      needs Mono
+python benchmarks/tracers.py [BODIES ...]      needs Mono and Node
 """
 
 from __future__ import annotations
@@ -65,7 +65,8 @@ def main() -> None:
         program = Path(folder) / "speed.exe"
         sources = ROOT / "clients/csharp/HapticTracer.cs", ROOT / "benchmarks/TracerSpeed.cs"
         subprocess.run(["mcs", "-optimize", f"-out:{program}", *sources], check=True)
-        print("bodies contacts heard least median processor [ms] collections")
+        script = ROOT / "benchmarks/tracer_speed.mjs"
+        print("with bodies contacts heard least median processor [ms] collections")
         for count in map(int, sys.argv[1:] or ("100", "1000")):
             scene = walls(count)
             path = tables.write(scene.content, Path(folder) / "walls.tracer.json")
@@ -74,7 +75,9 @@ def main() -> None:
             normals = found.normal[:, [0, 2, 1]] * (1, 1, -1)
             rows = np.column_stack([found.pairs, places, normals, found.area])
             lines = "\n".join(" ".join(map(str, row)) for row in rows.tolist())
-            subprocess.run(["mono", "-O=all", program, path], input=lines, text=True, check=True)
+            for command in (["mono", "-O=all", str(program)], ["node", str(script)]):
+                print(command[0], end=" ", flush=True)
+                subprocess.run([*command, path], input=lines, text=True, check=True)
 
 
 if __name__ == "__main__":

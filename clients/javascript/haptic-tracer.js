@@ -6,15 +6,18 @@
  * const tracer = Tracer.read(await (await fetch("bench.tracer.json")).text());
  * tracer.setContacts([{one: 0, other: 1, at: {x: 1, y: 0, z: 0}, normal: {x: 0, y: 1, z: 0}}]);
  * tracer.step(1 / 60);
- * console.log(tracer.level(0), tracer.sources[0].paths[0], tracer.listeners[0].samples.subarray(0, tracer.count));
+ * console.log(tracer.level(0), tracer.sources[0].heard[0].path, tracer.listeners[0].samples.subarray(0, tracer.count));
  */
 
 /** The cost at which a search ends: -120 dB. */
 const LIMIT = 13.815510557964274;
 const BANDS = 6, CHAIN = 4, MOST_BLOWS = 32;
-const UNKNOWN = Array(BANDS).fill(Infinity);
+/** Entries whose costs differ by less are examined in any order. */
+const STEP = LIMIT / 512;
 
 const vector = ([x, y, z]) => ({x, y, z});
+/** The normal of a contact of which an engine tells none. */
+const NOWHERE = vector([NaN, NaN, NaN]);
 
 function between(a, b) {
   const x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
@@ -30,23 +33,26 @@ function beside({x, y, z}, middle, n) {
 
 /** What a connection costs, -log of its gain, in each lane: without bands, then by band if there are any. */
 export class TracedFunction {
-  /** `form`: as in the tables; `grid`: where its costs are sampled. */
-  constructor(form, grid) {
-    Object.assign(this, {over: "distance", range: Infinity, costs: null, slowness: 0, spring: null}, form);
+  loss = [0];
+  decay = [0];
+  over = "distance";
+  range = Infinity;
+  costs = null;
+  slowness = 0;
+  spring = null;
+
+  /** `form`: as in the tables, all of it optional; `grid`: where its costs are sampled. */
+  constructor(form = {}, grid = []) {
+    Object.assign(this, form, {grid});
     [this.exponent, this.reference, this.extent, this.width, this.most, this.point] = form.spreading ?? [0, 1, Infinity, 1, Infinity, Infinity];
-    this.grid = grid;
     /** Of another form than a metric plus a constant, so that an object may be entered again at any cost. */
     this.isSpecial = this.range < Infinity || this.costs !== null;
   }
 
-  static plain(loss, decay, lanes = 1) {
-    return new TracedFunction({loss: Array(lanes).fill(loss), decay: Array(lanes).fill(decay)});
-  }
-
   /** K exp(-max(K, epsilon) d) with K = (1 - kappa) rho. */
-  static paper(kappa, rho, epsilon = 0.1, lanes = 1) {
+  static paper(kappa, rho, epsilon = 0.1) {
     const k = (1 - kappa) * rho;
-    return TracedFunction.plain(-Math.log(k), Math.max(k, epsilon), lanes);
+    return new TracedFunction({loss: [-Math.log(k)], decay: [Math.max(k, epsilon)]});
   }
 
   spread(run) {
@@ -76,12 +82,68 @@ export class TracedFunction {
   }
 }
 
+/** Where an object is entered, left or listened to. */
+class Node {
+  item = null;
+  contact = null;
+  partner = null;
+  x = 0.5;
+  y = 0.5;
+  z = 0.5;
+  reach = 0.5;
+  // Of a front of waves: how far it has run, and half the cost of that.
+  run = 0.5;
+  half = 0.5;
+  // In a search: the least costs of arriving inside the object and of entering it here, and where it was entered before.
+  arrival = 0.5;
+  entering = 0.5;
+  isPending = false;
+  entry = null;
+  // By band: mobility by itself; as it drives others, in turns in a round and in the one before; flexibility, alone and with that of the
+  // contact. By lane: gain of leaving.
+  own = new Float64Array(BANDS);
+  mobilities = [new Float64Array(BANDS), new Float64Array(BANDS)];
+  flexibility = new Float64Array(BANDS);
+  across = new Float64Array(BANDS);
+  gains = new Float64Array(1 + BANDS);
+
+  /** The number of its object, and where it stays there. */
+  constructor(object = 0, position = null) {
+    this.object = object;
+    this.position = position;
+  }
+}
+
+/** Nodes in a list that keeps its room. */
+class Nodes {
+  nodes = [];
+  count = 0;
+
+  add(node) {
+    this.nodes[this.count++] = node;
+  }
+}
+
 /** An object that vibration runs through. `class`: in the tables of contacts and blows; `mass`: 0 if nothing moves it. */
-export class TracedObject {
+export class TracedObject extends Nodes {
+  name = "";
+  function = new TracedFunction();
+  class = 0;
+  mass = 0;
+  centre = null;
+  size = null;
+  body = null;
+  pose = [0, 0, 0, 1, 0, 0, 0];
+  isCarried = false;
+  // The last round in which what stands behind it may have changed.
+  due = 0;
+  // The numbers of objects that it touches as long as there are contacts.
+  staying = new Set();
+
   constructor(form) {
-    Object.assign(this, {name: "", function: null, class: 0, mass: 0, centre: null, size: null, body: null}, form);
-    Object.assign(this, {nodes: [], count: 0, contacts: 0, isCarried: false});
-    this.move(...(form.pose ?? [0, 0, 0, 1, 0, 0, 0]));
+    super();
+    Object.assign(this, form);
+    this.move(...this.pose);
   }
 
   /** Where it is: position and rotation. */
@@ -115,16 +177,17 @@ export class TracedObject {
   toLocal(world) {
     return this.turned({x: world.x - this.x, y: world.y - this.y, z: world.z - this.z}, {}, -this.qw);
   }
-
-  add(node) {
-    this.nodes[this.count++] = node;
-  }
 }
 
 /** A signal as rows of samples, each heard with a mix of the gains of the lanes. */
 export class Signal {
+  loops = false;
+  lane = 0;
+  mix = [[1]];
+  power = [[1]];
+
   constructor(form) {
-    Object.assign(this, {loops: false, lane: 0, mix: [[1]], power: [[1]]}, form);
+    Object.assign(this, form);
     this.length = this.rows[0].length;
   }
 
@@ -143,79 +206,107 @@ export class Signal {
   }
 }
 
-/** What vibrates: always, or, where it plays once, whenever it is asked to. `object`: number of its object; `position`: there. */
+/** What of a source is felt by a listener. */
+class Heard {
+  /** The numbers of the objects on the best path, from the source on. */
+  path = [];
+  // Before and now: gains of rows with all factors, and delays in samples.
+  before = new Float64Array(BANDS);
+  now = new Float64Array(BANDS);
+  late = 0;
+  later = 0;
+
+  constructor(lanes) {
+    this.gains = new Float64Array(lanes);
+  }
+}
+
+/** What vibrates: always, or, where it plays `once`, whenever it is asked to. `object`: number of its object; `position`: there. */
 export class Source {
-  constructor(form) {
-    Object.assign(this, {name: "", amplitude: 1, once: false, second: null, secondPosition: null}, form);
-    Object.assign(this, {nodes: this.second === null ? [new Node()] : [new Node(), new Node()], voices: 0, began: false});
-    /** By listener: the numbers of the objects on the best path, from here on. */
-    this.paths = [];
-    // By listener: gains of lanes, and before and now those of rows with all factors, and delays in samples.
-    this.gains = this.before = this.now = this.late = this.later = new Float64Array();
+  name = "";
+  amplitude = 1;
+  once = false;
+  voices = 0;
+  began = false;
+  /** By listener. */
+  heard = [];
+
+  constructor({object, position, ...form}) {
+    this.nodes = [new Node(object, position)];
+    Object.assign(this, form);
   }
 
   /** The gain of its signal on the best path to a listener. */
   gain(listener) {
-    const {power} = this.signal, gains = this.gains.subarray(listener * power.length);
-    return Math.sqrt(Math.max(power.reduce((sum, row, i) => row.reduce((sum, value, j) => sum + gains[i] * value * gains[j], sum), 0), 0)) || 0;
+    const {gains} = this.heard[listener];
+    return Math.sqrt(Math.max(this.signal.power.reduce((sum, row, i) => row.reduce((sum, value, j) => sum + gains[i] * value * gains[j], sum), 0), 0));
   }
 }
 
 /** Where it is felt: a ball on an object. `samples`: of the last step; there may be room for more behind them. */
 export class Listener {
-  constructor(form) {
-    Object.assign(this, {name: "", body_part: "", radius: 0, gain: 1, s_max: 1, node: new Node(), samples: new Float32Array(), recent: null}, form);
-  }
-}
+  name = "";
+  body_part = "";
+  radius = 0;
+  gain = 1;
+  s_max = 1;
+  samples = new Float32Array();
+  recent = null;
 
-/** Where an object is entered, left, or listened to. */
-class Node {
-  constructor() {
-    Object.assign(this, {item: null, contact: null, partner: null, x: 0.5, y: 0.5, z: 0.5, reach: 0.5, run: 0.5, half: 0.5});
-    // In a search: the least costs of arriving here inside the object, and of entering it here; where it was entered before.
-    Object.assign(this, {arrival: 0.5, entering: 0.5, entry: null});
-    // By band: impedance of its own, mobility as it drives others, that of what stands behind, flexibility, also with the contact's, gain of leaving.
-    for (const key of ["own", "mobility", "behind", "flexibility", "between", "gains"]) this[key] = new Float64Array(BANDS);
-    this.impedance = this.own;
+  constructor({object, position, ...form}) {
+    this.node = new Node(object, position);
+    Object.assign(this, form);
   }
 }
 
 class Contact {
+  nodes = [new Node(), new Node()];
+  normal = {...NOWHERE};
+  /** Of one that stays: the normal in the space of the first object. */
+  local = null;
+
   constructor() {
-    this.nodes = [new Node(), new Node()];
-    [this.nodes[0].partner, this.nodes[1].partner] = [this.nodes[1], this.nodes[0]];
-    for (const node of this.nodes) node.contact = this;
-    this.normal = vector([0.5, 0.5, 0.5]);
-    // Of one that stays: positions and normal in the spaces of the objects.
-    Object.assign(this, {one: 0, other: 0, positions: null, local: null, function: null, area: 0.5, depth: 0.5, force: 0.5, weight: 0.5});
-    Object.assign(this, {distance: 0.5, angle: 0.5, rest: 0.5, byBodies: false});
+    const [one, other] = this.nodes;
+    one.contact = other.contact = this;
+    one.partner = other;
+    other.partner = one;
   }
 }
 
 /** The tracer. Tell what moves, touches and hits, then step; then listeners have samples and levels. */
 export class Tracer {
-  constructor(lanes = 1, sample_rate = 8000, frequencies = []) {
-    Object.assign(this, {lanes, sample_rate, objects: [], sources: [], listeners: []});
-    /** The number of samples of the last step. */
-    this.count = 0;
-    /** The blows that sound; the last ones have begun last. */
-    this.blows = [];
+  objects = [];
+  sources = [];
+  listeners = [];
+  /** The blows that sound; the last ones have begun last. */
+  blows = [];
+  /** The number of samples of the last step. */
+  count = 0;
+  _contacts = [];
+  _touching = 0;
+  _staying = 0;
+  _voices = [];
+  _part = 0;
+  _isSpecial = false;
+  _best = new Float64Array(BANDS);
+  _second = new Float64Array(BANDS);
+  _vector = {...NOWHERE};
+  _pending = Array.from({length: 513}, () => new Nodes());
+  _recentPlace = 0;
+  _recentCount = 0;
+
+  constructor({lanes = 1, sample_rate = 8000, frequencies = []} = {}) {
+    Object.assign(this, {lanes, sample_rate, _costs: new Float64Array(lanes), _omega: frequencies.map(frequency => 2 * Math.PI * frequency)});
     /** By the classes of two objects: what contacts pass on, and what blows play. */
-    this.between = [[TracedFunction.plain(0, 0, lanes)]];
+    this.between = [[new TracedFunction()]];
     this.impacts = [[{least_energy: 0.05, full_energy: 100, gain: [0, 1], signals: [Signal.tone(150, 0.03, sample_rate)]}]];
-    this._omega = frequencies.map(frequency => 2 * Math.PI * frequency);
-    this._costs = new Float64Array(lanes);
-    [this._best, this._second] = [new Float64Array(BANDS), new Float64Array(BANDS)];
-    this._vector = vector([0.5, 0.5, 0.5]);
-    Object.assign(this, {_contacts: [], _touching: 0, _staying: new Set(), _voices: [], _part: 0, _isSpecial: false});
-    Object.assign(this, {_keys: [], _values: [], _size: 0, _recentPlace: 0, _recentCount: 0});
   }
 
   /** A tracer of the tables in NAME.tracer.json. */
   static read(json) {
     const file = JSON.parse(json, (key, value) => value ?? Infinity);
     if (file.format !== "haptic-tracer" || file.version !== 1) throw new Error("no tables of a haptic tracer 1");
-    const tracer = new Tracer(file.lanes, file.sample_rate, file.frequencies), signals = file.signals.map(Signal.read);
+    const tracer = new Tracer(file), signals = file.signals.map(Signal.read);
     const functions = file.functions.map(form => new TracedFunction(form, file.grid));
     const impacts = file.impacts.map(form => ({...form, signals: form.signals.map(number => signals[number])}));
     const placed = form => ({...form, position: vector(form.position), signal: signals[form.signal]});
@@ -224,46 +315,38 @@ export class Tracer {
     tracer.listeners = file.listeners.map(form => new Listener(placed(form)));
     tracer.between = file.between.map(row => row.map(number => functions[number]));
     tracer.impacts = file.blows.map(row => row.map(number => impacts[number]));
-    for (const {objects: [one, other], positions, normal, ...form} of file.contacts) {
-      const local = {positions: positions.map(vector), local: vector(normal), function: functions[form.function]};
-      tracer._contacts.push(Object.assign(new Contact(), form, {one, other}, local));
-      tracer._staying.add(tracer._key(one, other));
+    for (const {objects, positions, normal, ...form} of file.contacts) {
+      const contact = Object.assign(new Contact(), form, {local: vector(normal), function: functions[form.function]});
+      contact.nodes.forEach((node, side) => Object.assign(node, {object: objects[side], position: vector(positions[side])}));
+      objects.forEach((number, side) => tracer.objects[number].staying.add(objects[1 - side]));
+      tracer._touching = tracer._staying = tracer._contacts.push(contact);
     }
-    tracer.partAll();
     return tracer;
   }
 
-  /** Two objects touch. What is not known is left out: no area is a point. */
-  touch(one, other, at, otherAt = at, normal = null, area = 0, force = NaN, depth = 0, weight = 1) {
-    if (this._staying.size && this._staying.has(this._key(one, other))) return;
-    const {_contacts: contacts, objects} = this, contact = (contacts[this._touching] ??= new Contact());
-    this._touching++;
-    contact.one = one;
-    contact.other = other;
-    put(contact.nodes[0], at);
-    put(contact.nodes[1], otherAt);
-    put(contact.normal, normal ?? NOWHERE);
-    contact.area = area;
-    contact.force = force;
-    contact.depth = depth;
-    contact.weight = weight;
-    contact.function = this.between[objects[one].class][objects[other].class];
-  }
-
-  /** Nothing touches but what stays. */
-  partAll() {
-    this._touching = this._staying.size;
-  }
-
-  /** All that touches now: a list of objects with what `touch` takes. */
+  /** All that touches now, objects by number. What is not known is left out: no area is a point. */
   setContacts(contacts) {
-    this.partAll();
-    for (const {one, other, at, otherAt, normal, area, force, depth, weight} of contacts) this.touch(one, other, at, otherAt, normal, area, force, depth, weight);
+    const {objects} = this;
+    this._touching = this._staying;
+    for (const {one, other, at, otherAt = at, normal = NOWHERE, area = 0, force = NaN, depth = 0, weight = 1} of contacts) {
+      if (objects[one].staying.has(other)) continue;
+      const contact = (this._contacts[this._touching++] ??= new Contact()), [first, second] = contact.nodes;
+      first.object = one;
+      second.object = other;
+      put(first, at);
+      put(second, otherAt);
+      put(contact.normal, normal);
+      contact.area = area;
+      contact.force = force;
+      contact.depth = depth;
+      contact.weight = weight;
+      contact.function = this.between[objects[one].class][objects[other].class];
+    }
   }
 
   /** The energy in joules of a blow at a speed along the normal. */
   energy(one, other, speed) {
-    const inverse = [one, other].reduce((sum, number) => sum + (this.objects[number].mass && 1 / this.objects[number].mass), 0);
+    const [a, b] = [one, other].map(number => this.objects[number].mass || Infinity), inverse = 1 / a + 1 / b;
     return inverse && (speed * speed) / (2 * inverse);
   }
 
@@ -271,18 +354,13 @@ export class Tracer {
   blow(one, other, at, energy, after = 0) {
     const {objects, blows} = this, impact = this.impacts[objects[one].class][objects[other].class];
     if (!impact || energy < impact.least_energy) return false;
-    const strength = Math.min(energy / impact.full_energy, 1), [weak, full] = impact.gain;
-    const blow = new Source({
-      object: one,
-      second: other,
-      position: objects[one].toLocal(at),
-      secondPosition: objects[other].toLocal(at),
-      amplitude: weak + (full - weak) * strength,
-      once: true,
-      signal: impact.signals[Math.round(strength * (impact.signals.length - 1))],
-    });
-    if (blows.push(blow) > MOST_BLOWS) this._voices = this._voices.filter(voice => voice.source !== blows[0]);
-    if (blows.length > MOST_BLOWS) blows.shift();
+    const strength = Math.min(energy / impact.full_energy, 1), [weak, full] = impact.gain, {signals} = impact;
+    const nodes = [one, other].map(number => new Node(number, objects[number].toLocal(at)));
+    const blow = new Source({nodes, amplitude: weak + (full - weak) * strength, once: true, signal: signals[Math.round(strength * (signals.length - 1))]});
+    if (blows.push(blow) > MOST_BLOWS) {
+      const first = blows.shift();
+      this._voices = this._voices.filter(({source}) => source !== first);
+    }
     this.play(blow, after);
     return true;
   }
@@ -298,7 +376,6 @@ export class Tracer {
     const end = this._part + seconds * this.sample_rate;
     this.count = Math.floor(end + 0.5);
     this._part = end - this.count;
-    this._isSpecial = this.objects.some(item => item.function.isSpecial);
     for (const source of this.sources) if (!source.once && source.voices === 0) this.play(source);
     this._number();
     this._passOn();
@@ -311,60 +388,52 @@ export class Tracer {
   level(listener) {
     let sum = 0, energy = 0;
     const {recent} = this.listeners[listener];
-    for (const value of recent) {
-      sum += value;
-      energy += value * value;
+    for (let k = 0; k < recent.length; k++) {
+      sum += recent[k];
+      energy += recent[k] * recent[k];
     }
     const rest = energy - (sum * sum) / recent.length;
     return rest > 1e-12 * energy ? 10 * Math.log10(rest / this._recentCount) : null;
-  }
-
-  _key(one, other) {
-    return Math.min(one, other) * 2 ** 26 + Math.max(one, other);
   }
 
   // The graph.
 
   /** Put nodes onto their objects, those of contacts first. */
   _number() {
-    const {objects, _contacts: contacts} = this;
-    for (const item of objects) item.count = 0;
+    this._isSpecial = false;
+    for (const item of this.objects) {
+      item.count = 0;
+      this._isSpecial ||= item.function.isSpecial;
+    }
     for (let k = 0; k < this._touching; k++) {
-      const contact = contacts[k], {nodes: [one, other], positions} = contact;
-      one.item = objects[contact.one];
-      other.item = objects[contact.other];
-      if (positions) {
-        one.item.toWorld(positions[0], one);
-        other.item.toWorld(positions[1], other);
-        one.item.turned(contact.local, contact.normal);
-      }
-      one.item.add(one);
-      other.item.add(other);
-      this._front(contact);
+      const contact = this._contacts[k], [one, other] = contact.nodes;
+      this._put(one).add(one);
+      this._put(other).add(other);
+      if (contact.local) one.item.turned(contact.local, contact.normal);
+      if (contact.area) this._front(contact);
     }
-    for (const item of objects) item.contacts = item.count;
-    for (const source of [this.sources, this.blows].flat()) {
-      this._put(source.nodes[0], source.object, source.position);
-      if (source.second !== null) this._put(source.nodes[1], source.second, source.secondPosition);
-    }
-    for (const {node, object, position, radius} of this.listeners) {
-      this._put(node, object, position);
+    for (const item of this.objects) item.contacts = item.count;
+    for (const source of this.sources) for (const node of source.nodes) this._put(node);
+    for (const blow of this.blows) for (const node of blow.nodes) this._put(node);
+    for (const {node, radius} of this.listeners) {
+      this._put(node).add(node);
       node.reach = radius;
-      node.item.add(node);
     }
   }
 
-  _put(node, number, position) {
-    node.item = this.objects[number];
-    node.item.toWorld(position, node);
+  _put(node) {
+    const item = this.objects[node.object];
+    node.item = item;
+    if (node.position) item.toWorld(node.position, node);
     node.reach = node.run = node.half = 0;
+    return item;
   }
 
   /** The fronts of waves that begin with the size of a patch. */
   _front({nodes, normal, area}) {
     let wide = 0, most = Infinity;
     for (const {item} of nodes) {
-      if (!item.size || !area) continue;
+      if (!item.size) continue;
       const [a, b, c] = item.size, {x, y, z} = item.turned(normal, this._vector, -item.qw);
       const across = (x * x) / Math.max(Math.min(b, c), 0.01) + (y * y) / Math.max(Math.min(a, c), 0.01) + (z * z) / Math.max(Math.min(a, b), 0.01);
       wide = Math.max(wide, across || 0);
@@ -373,9 +442,8 @@ export class Tracer {
     const patch = Math.min(Math.max(Math.sqrt(area), area * wide), most);
     for (const node of nodes) {
       const own = node.item.function;
-      node.reach = 0;
       node.run = Math.max(patch - own.point, 0);
-      node.half = node.run && own.spread(node.run) / 2;
+      node.half = own.spread(node.run) / 2;
     }
   }
 
@@ -396,105 +464,87 @@ export class Tracer {
     }
     if (!byBodies) return;
     for (const item of this.objects) this._impede(item);
-    this._isCarried = true;
-    for (let round = 0; round < CHAIN && this._isCarried; round++) {
-      this._isCarried = false;
-      for (const item of this.objects) if (item.isCarried) this._standBehind(item);
-      for (const item of this.objects) if (item.isCarried) this._carry(item);
-    }
-    for (let k = 0; k < this._touching; k++) if (this._contacts[k].byBodies) this._contacts[k].nodes.forEach(this._pass, this);
+    for (let round = 0; round < CHAIN; round++) for (const item of this.objects) if (item.isCarried && item.due >= round - 1) this._carry(item, round);
+    for (let k = 0; k < this._touching; k++) if (this._contacts[k].byBodies) for (const node of this._contacts[k].nodes) this._pass(node);
   }
 
   /** The impedances of a body, its mobilities if nothing stands behind it, and how flexible it is. */
   _impede(item) {
-    const {body, contacts} = item, {bending, spring, half_space} = body ?? {}, middle = item.centre && item.toWorld(item.centre, this._vector);
+    const {contacts, nodes, body, centre} = item, {bending, spring, half_space} = body ?? {}, middle = centre && item.toWorld(centre, this._vector);
     item.isCarried = contacts > 1 && Boolean(bending || spring);
+    item.due = 0;
     for (let k = 0; k < contacts; k++) {
-      const node = item.nodes[k], {mobility, flexibility, between, contact} = node, inside = contact.function.spring;
-      node.impedance = body ? body.impedance : UNKNOWN;
-      if (half_space) this._drive(node, half_space);
-      const aside = item.isCarried && middle ? beside(node, middle, contact.normal) : Infinity;
+      const {contact, own, mobilities: [mobility, next], flexibility, across} = nodes[k], inside = contact.function.spring, driven = half_space && half_space[0] + contact.area / Math.PI;
+      const aside = item.isCarried && middle ? beside(nodes[k], middle, contact.normal) : Infinity;
       for (let band = 0; band < BANDS; band++) {
         const omega = this._omega[band];
-        mobility[band] = item.isCarried && spring ? Infinity : 1 / node.impedance[band];
+        own[band] = half_space ? 1 / Math.sqrt((half_space[2] * driven) ** 2 + (half_space[1] / omega) ** 2 * driven) : body ? 1 / body.impedance[band] : 0;
+        mobility[band] = next[band] = item.isCarried && spring ? Infinity : own[band];
         flexibility[band] = spring ? omega / (2 * spring[0]) : bending ? aside / bending[band] : 0;
-        between[band] = flexibility[band] + (inside ? omega / inside[0] : 0);
+        across[band] = flexibility[band] + (inside ? omega / inside[0] : 0);
       }
     }
   }
 
-  /** The impedance of a half-space at a patch. */
-  _drive(node, [square, stiffness, damper]) {
-    const driven = square + node.contact.area / Math.PI;
-    node.impedance = node.own;
-    for (let band = 0; band < BANDS; band++) node.own[band] = Math.sqrt((damper * driven) ** 2 + (stiffness / this._omega[band]) ** 2 * driven);
-  }
-
-  _standBehind({nodes, contacts}) {
-    for (let k = 0; k < contacts; k++) {
-      const {behind, between, partner: {mobility}, contact: {weight}} = nodes[k], opening = 1 / Math.max(weight, 1e-12);
-      for (let band = 0; band < BANDS; band++) behind[band] = opening * (mobility[band] + between[band]);
-    }
-  }
-
-  /** The mobilities with which a small body drives others: those of what stands behind it. */
-  _carry({nodes, contacts, body}) {
-    const {_best: best, _second: second} = this;
+  /** The mobilities with which a small body drives others: those of what stands behind it in the round before. */
+  _carry({nodes, contacts, body}, round) {
+    const {_best: best, _second: second} = this, before = round % 2;
     best.fill(Infinity);
     second.fill(Infinity);
     for (let k = 0; k < contacts; k++) {
+      const {mobilities, across, partner, contact} = nodes[k], opening = 1 / Math.max(contact.weight, 1e-12);
+      const mobility = partner.mobilities[before], behind = mobilities[1 - before];
       for (let band = 0; band < BANDS; band++) {
-        const behind = nodes[k].behind[band];
-        if (behind < best[band]) {
-          second[band] = best[band];
-          best[band] = behind;
-        } else if (behind < second[band]) second[band] = behind;
+        const value = opening * (mobility[band] + across[band]);
+        behind[band] = value;
+        if (value >= second[band]) continue;
+        second[band] = Math.max(value, best[band]);
+        best[band] = Math.min(value, best[band]);
       }
     }
     for (let k = 0; k < contacts; k++) {
-      const {mobility, impedance, flexibility, behind} = nodes[k];
+      const {own, flexibility, mobilities, partner} = nodes[k], last = mobilities[before], behind = mobilities[1 - before];
       for (let band = 0; band < BANDS; band++) {
-        const others = flexibility[band] + (behind[band] === best[band] ? second[band] : best[band]);
-        const least = body.spring ? Infinity : 1 / impedance[band], driven = others < least ? others : least;
-        if (driven !== mobility[band]) this._isCarried = true;
-        mobility[band] = driven;
+        const driven = flexibility[band] + (behind[band] === best[band] ? second[band] : best[band]);
+        behind[band] = driven < own[band] || body.spring ? driven : own[band];
+        if (behind[band] !== last[band]) partner.item.due = round + 1;
       }
     }
   }
 
   /** What passes from a node over its contact. */
-  _pass({contact, item, partner, mobility, gains}) {
-    const [stiffness, own] = contact.function.spring, soft = stiffness < Infinity || item.body.spring;
-    const loss = stiffness < Infinity ? own : soft?.[1];
+  _pass({contact, item, partner, mobilities: [mobility], gains}) {
+    const {spring} = contact.function, soft = spring[0] < Infinity ? spring : item.body.spring;
+    gains[0] = 0;
     for (let band = 0; band < BANDS; band++) {
-      const load = partner.impedance[band];
+      const load = (mobility[band] + this._omega[band] / spring[0]) / partner.own[band];
+      let gain = Math.min(2 / (1 + load), 1);
       if (soft) {
-        const above = Math.max(load * (mobility[band] + this._omega[band] / stiffness), 2) - 1;
-        gains[band] = Math.sqrt((1 + loss * loss) / (above * above + loss * loss));
-      } else gains[band] = Math.min(2 / (1 + load * mobility[band]), 1);
+        const above = Math.max(load, 2) - 1, loss = soft[1] ** 2;
+        gain = Math.sqrt((1 + loss) / (above * above + loss));
+      }
+      gains[band + 1] = gain;
+      gains[0] = Math.max(gains[0], gain);
     }
   }
 
   /** The cost of leaving an object through a node over its contact. */
   _crossing({contact, gains}, lane) {
     const {loss, decay} = contact.function, own = loss[lane] + decay[lane] * contact.distance + contact.rest;
-    return contact.byBodies ? own - Math.log(lane ? gains[lane - 1] : Math.max(...gains)) : own;
+    return contact.byBodies ? own - Math.log(gains[lane]) : own;
   }
 
   // Best paths.
 
   _propagate(source) {
     const {lanes, listeners} = this, {signal} = source;
-    if (source.paths.length !== listeners.length || source.gains.length !== listeners.length * lanes) {
-      source.paths = listeners.map(() => []);
-      source.gains = new Float64Array(listeners.length * lanes);
-      for (const key of ["before", "now"]) source[key] = new Float64Array(listeners.length * BANDS);
-      for (const key of ["late", "later"]) source[key] = new Float64Array(listeners.length);
+    if (source.heard.length !== listeners.length) source.heard = listeners.map(() => new Heard(lanes));
+    for (const heard of source.heard) {
+      heard.path.length = 0;
+      heard.gains.fill(0);
+      heard.before.set(heard.now);
+      heard.late = heard.later;
     }
-    source.gains.fill(0);
-    source.before.set(source.now);
-    source.late.set(source.later);
-    for (const path of source.paths) path.length = 0;
     if (source.amplitude > 0 && source.voices) {
       this._search(source, signal.lane);
       if (!this._collect(source) && signal.lane) {
@@ -503,16 +553,17 @@ export class Tracer {
       }
     }
     for (let k = 0; k < listeners.length; k++) {
-      for (let row = 0; row < signal.rows.length; row++) {
+      const heard = source.heard[k];
+      for (let row = 0; row < signal.mix.length; row++) {
         let gain = 0;
-        for (let lane = 0; lane < lanes; lane++) gain += signal.mix[row][lane] * source.gains[k * lanes + lane];
-        source.now[k * BANDS + row] = gain * source.amplitude * listeners[k].gain;
+        for (let lane = 0; lane < lanes; lane++) gain += signal.mix[row][lane] * heard.gains[lane];
+        heard.now[row] = gain * source.amplitude * listeners[k].gain;
       }
+      if (!source.began) continue;
+      heard.before.set(heard.now);
+      heard.late = heard.later;
     }
-    if (!source.began) return;
     source.began = false;
-    source.before.set(source.now);
-    source.late.set(source.later);
   }
 
   _distance(a, b) {
@@ -528,39 +579,44 @@ export class Tracer {
         nodes[k].entry = null;
       }
     }
-    let limit = LIMIT;
-    this._size = 0;
+    for (const pending of this._pending) pending.count = 0;
     for (const node of source.nodes) {
       node.arrival = Infinity;
-      this._push((node.entering = 0), node);
+      this._enter(node, 0);
     }
-    while (this._size && this._keys[0] <= limit) {
-      let near = this._keys[0], isNearer = false;
-      const begin = this._pop(), {nodes, count, function: own} = begin.item;
-      if (near > begin.entering) continue;
-      near += own.loss[lane];
-      if (begin.arrival <= near && !this._isSpecial) continue;
-      for (let k = 0; k < count; k++) {
-        const end = nodes[k], distance = this._distance(begin, end);
-        let far = near + own.decay[lane] * distance;
-        if (far >= end.arrival || end === begin) continue;
-        far += own.shape(distance, begin, end);
-        if (far >= end.arrival) continue;
-        end.arrival = far;
-        end.entry = begin;
-        if (!end.partner) {
-          isNearer = true;
-          continue;
+    let limit = LIMIT;
+    for (let step = 0; step * STEP <= limit; step++) {
+      const pending = this._pending[step];
+      for (let place = 0; place < pending.count; place++) {
+        const begin = pending.nodes[place], {nodes, count, function: own} = begin.item, near = begin.entering + own.loss[lane];
+        if (!begin.isPending || (begin.arrival <= near && !this._isSpecial)) continue;
+        begin.isPending = false;
+        let isNearer = false;
+        for (let k = 0; k < count; k++) {
+          const end = nodes[k], distance = this._distance(begin, end);
+          let far = near + own.decay[lane] * distance;
+          if (far >= end.arrival || end === begin) continue;
+          far += own.shape(distance, begin, end);
+          if (far >= end.arrival) continue;
+          end.arrival = far;
+          end.entry = begin;
+          if (!end.partner) {
+            isNearer = true;
+            continue;
+          }
+          far += this._crossing(end, lane);
+          if (far <= limit && far < end.partner.entering) this._enter(end.partner, far);
         }
-        far += this._crossing(end, lane);
-        const over = end.partner;
-        if (far > limit || far >= over.entering || (far + over.item.function.loss[lane] >= over.arrival && !this._isSpecial)) continue;
-        over.entering = far;
-        this._push(far, over);
+        // No more than what each listener costs now is of interest.
+        if (isNearer) limit = Math.min(limit, this.listeners.reduce((dearest, {node}) => Math.max(dearest, node.arrival), 0));
       }
-      // No more than what each listener costs now is of interest.
-      if (isNearer) limit = Math.min(limit, this.listeners.reduce((dearest, {node}) => Math.max(dearest, node.arrival), 0));
     }
+  }
+
+  _enter(node, cost) {
+    node.entering = cost;
+    node.isPending = true;
+    this._pending[Math.floor(cost / STEP)].add(node);
   }
 
   /** Take gains and paths to the listeners without any from the last search. Whether all have one then. */
@@ -568,7 +624,7 @@ export class Tracer {
     const {lanes, listeners, _costs: costs} = this;
     let all = true;
     for (let k = 0; k < listeners.length; k++) {
-      const path = source.paths[k];
+      const {path, gains} = source.heard[k];
       let {node} = listeners[k], late = 0;
       if (path.length) continue;
       all &&= node.entry !== null;
@@ -576,43 +632,17 @@ export class Tracer {
       costs.fill(0);
       while (node) {
         const begin = node.entry, {function: own} = node.item, distance = this._distance(begin, node), shape = own.shape(distance, begin, node);
-        const number = this.objects.indexOf(node.item);
-        if (number !== path.at(-1)) path.push(number);
+        if (node.object !== path.at(-1)) path.push(node.object);
         late += own.slowness * distance;
         node = begin.partner;
         if (node) late += begin.contact.function.slowness * begin.contact.distance;
         for (let lane = 0; lane < lanes; lane++) costs[lane] += own.loss[lane] + own.decay[lane] * distance + shape + (node ? this._crossing(node, lane) : 0);
       }
       path.reverse();
-      for (let lane = 0; lane < lanes; lane++) source.gains[k * lanes + lane] = Math.exp(-costs[lane]);
-      source.later[k] = late * this.sample_rate;
+      for (let lane = 0; lane < lanes; lane++) gains[lane] = Math.exp(-costs[lane]);
+      source.heard[k].later = late * this.sample_rate;
     }
     return all;
-  }
-
-  _push(key, value) {
-    const {_keys: keys, _values: values} = this;
-    let place = this._size++, above;
-    for (; place > 0 && keys[(above = (place - 1) >> 1)] > key; place = above) {
-      keys[place] = keys[above];
-      values[place] = values[above];
-    }
-    keys[place] = key;
-    values[place] = value;
-  }
-
-  _pop() {
-    const {_keys: keys, _values: values} = this, first = values[0], size = --this._size, key = keys[size];
-    let place = 0, below;
-    for (; (below = 2 * place + 1) < size; place = below) {
-      if (below + 1 < size && keys[below + 1] < keys[below]) below++;
-      if (keys[below] >= key) break;
-      keys[place] = keys[below];
-      values[place] = values[below];
-    }
-    keys[place] = key;
-    values[place] = values[size];
-    return first;
   }
 
   // Samples.
@@ -624,18 +654,19 @@ export class Tracer {
       listener.recent ??= new Float32Array(window);
       listener.samples.fill(0);
     }
-    for (let k = voices.length - 1; k >= 0; k--) {
-      const voice = voices[k], {source, source: {signal}} = voice;
+    for (let v = voices.length - 1; v >= 0; v--) {
+      const voice = voices[v], {source, source: {signal, heard}} = voice;
       let longest = 0;
-      for (let number = 0; number < listeners.length; number++) {
-        this._hear(voice, number);
-        longest = Math.max(longest, source.later[number]);
+      for (let k = 0; k < listeners.length; k++) {
+        this._hear(voice, heard[k], listeners[k].samples);
+        longest = Math.max(longest, heard[k].later);
       }
       voice.place += count;
       if (signal.loops && voice.place > 2 * signal.length + longest) voice.place -= signal.length;
       if (signal.loops || voice.place < signal.length + longest) continue;
-      voices.splice(k, 1);
-      if (--source.voices === 0 && source.second !== null) this.blows.splice(this.blows.indexOf(source), 1);
+      voices.splice(v, 1);
+      source.voices--;
+      this.blows = this.blows.filter(blow => blow.voices);
     }
     for (const {samples, recent, s_max} of listeners) {
       for (let k = 0; k < count; k++) {
@@ -648,14 +679,13 @@ export class Tracer {
   }
 
   /** Add a voice to the samples of a listener; its gains go in straight lines over the step. */
-  _hear({source, place}, number) {
-    const {count} = this, {samples} = this.listeners[number], {signal: {rows, loops, length}, late, later} = source;
-    const drift = (later[number] - late[number]) / count;
+  _hear({source: {signal: {rows, loops, length}}, place}, {before, now, late, later}, samples) {
+    const {count} = this, drift = (later - late) / count;
     for (let r = 0; r < rows.length; r++) {
-      const row = rows[r], gain = source.before[number * BANDS + r], slope = (source.now[number * BANDS + r] - gain) / count;
+      const row = rows[r], gain = before[r], slope = (now[r] - gain) / count;
       if (gain === 0 && slope === 0) continue;
       for (let k = 0; k < count; k++) {
-        const at = place + k - late[number] - drift * k, whole = Math.floor(at), share = at - whole;
+        const at = place + k - late - drift * k, whole = Math.floor(at), share = at - whole;
         if (whole < 0 || (whole >= length && !loops)) continue;
         const value = row[whole % length];
         samples[k] += (gain + slope * k) * (share ? value + share * (row[(whole + 1) % length] - value) : value);
@@ -664,11 +694,29 @@ export class Tracer {
   }
 }
 
-/** The normal of a contact of which an engine tells none. */
-const NOWHERE = vector([NaN, NaN, NaN]);
-
 function put(to, {x, y, z}) {
   to.x = x;
   to.y = y;
   to.z = z;
+}
+
+/** All that touches in a world of Rapier, for `setContacts`. `numbers`: of objects, in a map by the handles of their colliders. */
+export function contactsOfRapier(world, numbers) {
+  const found = {};
+  for (const [handle, one] of numbers) {
+    const collider = world.getCollider(handle);
+    world.contactPairsWith(collider, second => {
+      const other = numbers.get(second.handle);
+      if (one < other) world.contactPair(collider, second, manifold => {
+        for (let k = 0; k < manifold.numSolverContacts(); k++) {
+          // The mean of all points between two objects.
+          const contact = (found[[one, other]] ??= {one, other, at: vector([0, 0, 0]), normal: manifold.normal(), force: 0, points: 0});
+          const {at} = contact, {x, y, z} = manifold.solverContactPoint(k), share = 1 / ++contact.points;
+          put(at, {x: at.x + share * (x - at.x), y: at.y + share * (y - at.y), z: at.z + share * (z - at.z)});
+          contact.force += manifold.contactImpulse(k) / world.timestep;
+        }
+      });
+    });
+  }
+  return Object.values(found);
 }

@@ -31,11 +31,17 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    """The sample's folder, with what npm installs, on a server of pages."""
+def folder(tmp_path_factory):
+    """The sample's folder, with what npm installs."""
     folder = tmp_path_factory.mktemp("client") / "javascript"
     shutil.copytree(CLIENT, folder, ignore=shutil.ignore_patterns("node_modules"))
     subprocess.run(["npm", "ci"], cwd=folder, check=True, capture_output=True, timeout=300)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(folder):
+    """The folder on a server of pages."""
     handler = functools.partial(Quiet, directory=folder)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -130,6 +136,22 @@ def test_levels_shake_pads_and_controllers(page):
     """
     strength = pytest.approx(math.sqrt(2) / 10)
     assert page.run(script) == [["dual-rumble", strength, 60], [strength, 60], 0, "nothing"]
+
+
+def test_what_touches_in_rapier_is_traced(folder):
+    """Two crates of 5 kg and half a metre on each other: the forces are their weights, and the tone
+    runs 1 m through the ground and 0.5 m through either crate."""
+    script = shutil.copy(Path(__file__).with_name("rapier.mjs"), folder)
+    done = subprocess.run(["node", script], check=True, capture_output=True, text=True, timeout=60)
+    felt = json.loads(done.stdout)
+    pairs = {(c["one"], c["other"]): c["force"] for c in felt["contacts"]}
+    assert pairs == {
+        (0, 1): pytest.approx(10 * 9.81, rel=0.01),
+        (1, 2): pytest.approx(5 * 9.81, rel=0.01),
+    }
+    assert felt["path"] == [0, 1, 2]
+    assert felt["gain"] == pytest.approx(math.exp(-0.2 * 2), rel=0.002)
+    assert felt["level"] == pytest.approx(20 * math.log10(felt["gain"] / math.sqrt(2)), abs=0.01)
 
 
 def test_the_body_map_is_that_of_the_panels():
