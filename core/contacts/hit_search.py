@@ -79,7 +79,9 @@ class HitSearch:
 
     def _before(self, larger: IntArray, smaller: IntArray) -> tuple[FloatArray, FloatArray]:
         """How smaller bodies were placed in the frames of larger ones at the start."""
-        return relative_pose(self.paths.start[:, larger], self.paths.start[:, smaller])
+        return relative_pose(
+            *(self.paths.start.take(bodies, axis=1) for bodies in (larger, smaller))
+        )
 
     def confirmed(self, hits: Hits, arrived: IntArray) -> Hits:
         """The confirmed ones among ``hits``, and those of pairs, by key, that have ``arrived`` at
@@ -165,13 +167,13 @@ class HitSearch:
         normal between what is now in one place of both bodies was a linear function of the place:
         its largest value within the bounds of both tells."""
         bodies = pairs.bodies(rows).T
-        low, high = (way[:, bodies].min(axis=1) for way in self.poses.extents)
+        low, high = (way.take(bodies, axis=1).min(axis=1) for way in self.poses.extents)
         middle, half = (high - low) / 2, (high + low) / 2
-        now = self.poses.pose[:, bodies]
+        now = self.poses.pose.take(bodies, axis=1)
         normal = turned(now[:9, 0].reshape(3, 3, -1), pairs.values[NORMAL, rows])
         gaps, slopes = [], []
         for poses in (self.paths.start, self.paths.earlier):
-            then = poses[:, bodies]
+            then = poses.take(bodies, axis=1)
             turns = [each[:9].reshape(3, 3, 2, -1) for each in (now, then)]
             back = np.stack(
                 [turned(turns[0][:, :, k], turned_back(turns[1][:, :, k], normal)) for k in (0, 1)]

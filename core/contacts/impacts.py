@@ -195,7 +195,7 @@ def landings(
     before_hit = paths.chosen(pairs.T.reshape(-1))
     ends = before_hit.through_ends()
     before, start, half = _gaps(
-        (ends.earlier, ends.start, ends.poses(slice(None), ends.duration / 2)),
+        (ends.earlier, ends.start, ends.poses(np.arange(2 * count), ends.duration / 2)),
         ends.end,
         nodes,
         normal,

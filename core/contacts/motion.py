@@ -115,22 +115,20 @@ class Paths:
         velocity = direct - self.acceleration * (self.duration / 2)
         return replace(self, velocity=velocity, spin=spins(self.start, self.end, self.duration))
 
-    def poses(self, bodies: IntArray | slice, time: FloatArray | float) -> FloatArray:
+    def poses(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
         """Poses (12, k) of ``bodies`` (k,) at ``time`` (k,) seconds after the start."""
-        start = self.start[:, bodies]
-        velocity = self.velocity[:, bodies]
-        spin = self.spin[:, bodies]
+        # (`take` leaves bodies side by side in memory, as indexing does not.)
+        ways = self.start, self.velocity, self.acceleration, self.spin
+        start, velocity, acceleration, spin = (way.take(bodies, axis=1) for way in ways)
         poses = np.empty_like(start)
-        poses[9:] = (
-            start[9:] + (velocity + self.acceleration[:, bodies] * (np.asarray(time) / 2)) * time
-        )
+        poses[9:] = start[9:] + (velocity + acceleration * (np.asarray(time) / 2)) * time
         turn = rotations(spin * time)
         poses[:9] = product(turn, start[:9].reshape(3, 3, -1)).reshape(9, -1)
         return poses
 
     def velocities(self, bodies: IntArray, time: FloatArray | float) -> FloatArray:
         """Velocities (3, k) of the origins of ``bodies`` at ``time``."""
-        return self.velocity[:, bodies] + self.acceleration[:, bodies] * time
+        return self.velocity.take(bodies, axis=1) + self.acceleration.take(bodies, axis=1) * time
 
     def speed_correction(self, bodies: IntArray, time: FloatArray) -> FloatArray:
         """Factors (k,) >= 1 from the speeds of ``bodies`` (k,) on their paths at ``time`` (k,) to
@@ -589,7 +587,9 @@ def rotations(vectors: FloatArray) -> FloatArray:
     sine = np.where(small, 1.0 - squared / 6, np.sin(angle) / divisor)
     cosine = np.where(small, 0.5 - squared / 24, (1.0 - np.cos(angle)) / (divisor * divisor))
     result = vectors[:, None] * (vectors * cosine)
-    result[[0, 1, 2], [0, 1, 2]] += 1.0 - cosine * squared
+    along = 1.0 - cosine * squared
+    for k in range(3):
+        result[k, k] += along
     x, y, z = vectors * sine
     result[0, 1] -= z
     result[0, 2] += y

@@ -61,11 +61,15 @@ class TimeOfImpact:
         )
         turning += np.abs(paths.acceleration).sum(axis=0) * (paths.duration**2 / 8)
         move = paths.displacement()
-        relative = move[:, second] - move[:, first]
+        relative = move.take(second, axis=1) - move.take(first, axis=1)
         slack = turning[first] + turning[second]
         low, high = -extents[0], extents[1]
-        below = low[:, second] + np.minimum(relative, 0.0) - slack <= high[:, first]
-        above = high[:, second] + np.maximum(relative, 0.0) + slack >= low[:, first]
+        below = low.take(second, axis=1) + np.minimum(relative, 0.0) - slack <= high.take(
+            first, axis=1
+        )
+        above = high.take(second, axis=1) + np.maximum(relative, 0.0) + slack >= low.take(
+            first, axis=1
+        )
         return np.asarray((below & above).all(axis=0))
 
     def largest_approach(self, paths: Paths, first: IntArray, second: IntArray) -> FloatArray:
@@ -209,7 +213,7 @@ class _MovingPairs:
 
     def actual_distances(self) -> FloatArray:
         """Signed distances (k,) in the actual poses at the end."""
-        first, second = (self.paths.end[:, k] for k in self.pairs.T)
+        first, second = (self.paths.end.take(k, axis=1) for k in self.pairs.T)
         return self.narrow.clearances(self.pairs, *relative_pose(first, second))
 
     def touch_by_regula_falsi(self, start: FloatArray, end: FloatArray) -> FloatArray:
