@@ -448,9 +448,11 @@ class MotionHistory:
         begin = chord + bend * (known / 2)
         if weight > 0:
             released = airborne & (self._since_onset == 1)
-            begin = np.where(
-                *_fallen_from_rest(released, chord * known, known, gravity / weight, weight), begin
+            fallen, speed = _fallen_from_rest(
+                released, chord * known, known, gravity / weight, weight
             )
+            begin = np.where(fallen, speed, begin)
+            clean = np.where(fallen, 1, clean)  # released since, which is no hit
         # The path of a kinematic body leads through both poses, unless it turned sharply or stopped
         # between them, as in a hit. Of a dynamic body that was hit in the interval before, only the
         # motion since then is known.
