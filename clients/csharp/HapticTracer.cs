@@ -81,9 +81,10 @@ namespace HapticTracer
     sealed class Body
     {
         internal int Kind;
-        internal double[] Mobility, Bending, HalfSpace, Spring;
+        internal double[] Mobility, Flexible, HalfSpace, Spring;
 
-        internal bool Carries { get { return Bending != null || Spring != null; } }
+        /// <summary>Whether it moves with what stands behind it, as far as it is stiff.</summary>
+        internal bool Carries { get { return Flexible != null; } }
 
         /// <summary>The mobility of a half-space under a patch.</summary>
         internal double At(double omega, double area)
@@ -169,8 +170,8 @@ namespace HapticTracer
         // behind these; by band the mobility of the body alone, and as it carries others; what of that is being computed.
         internal double[] Crossing;
         internal bool ByBodies, Carried;
-        internal readonly double[] Alone = new double[6], Mobility = new double[6];
-        internal double Opening, Give, Aside, Before, Now;
+        internal readonly double[] Alone = new double[6], Mobility = new double[6], Before = new double[6];
+        internal double Opening, Give, Aside;
 
         internal double Distance(Node other)
         {
@@ -191,7 +192,7 @@ namespace HapticTracer
         internal int Lane;
         internal double[][] Mix, Power;
 
-        public Signal(float[] samples, bool loops) : this()
+        public Signal(float[] samples, bool loops)
         {
             Rows = new[] { samples };
             Loops = loops;
@@ -327,7 +328,8 @@ namespace HapticTracer
         readonly Stack<Contact> spare = new Stack<Contact>();
         readonly Stack<Source> spareBlows = new Stack<Source>();
         readonly List<Voice> voices = new List<Voice>();
-        readonly double[] omega = new double[Bands], costs;
+        readonly double[] omega = new double[Bands], best = new double[Bands], second = new double[Bands], costs;
+        readonly int[] least = new int[Bands];
         TracedObject[] carrying = new TracedObject[0];
         int recentPlace, recentCount, carriers;
         double part;
@@ -352,6 +354,9 @@ namespace HapticTracer
         {
             if (one.Joined.Contains(other)) return null;
             var added = spare.Count > 0 ? spare.Pop() : new Contact();
+            added.Area = added.Depth = 0;
+            added.Force = double.NaN;
+            added.Weight = 1;
             added.One = one;
             added.Other = other;
             added.Function = Between[one.Class][other.Class];
@@ -398,6 +403,7 @@ namespace HapticTracer
         /// <summary>Play the signal of a source, some seconds after the next step's beginning.</summary>
         public void Play(Source source, double after = 0)
         {
+            source.Started = true;
             source.Began = source.Voices++ == 0;
             voices.Add(new Voice { Source = source, Place = -(int)Math.Round(after * SampleRate) });
         }
@@ -410,12 +416,7 @@ namespace HapticTracer
             part -= Count;
             isSpecial = false;
             foreach (var item in Objects) isSpecial |= item.Function.IsSpecial;
-            foreach (var source in Sources)
-                if (!source.Once && !source.Started)
-                {
-                    source.Started = true;
-                    Play(source);
-                }
+            foreach (var source in Sources) if (!source.Once && !source.Started) Play(source);
             Number();
             PassOn();
             foreach (var source in Sources) Propagate(source);
@@ -443,8 +444,8 @@ namespace HapticTracer
         /// <summary>Take away an object that touches nothing any more, with what is on it.</summary>
         public void Remove(TracedObject item)
         {
-            for (var i = Blows.Count - 1; i >= 0; i--) if (Blows[i].On == item || Blows[i].Second == item) Remove(Blows[i]);
-            for (var i = Sources.Count - 1; i >= 0; i--) if (Sources[i].On == item) Remove(Sources[i]);
+            Blows.FindAll(blow => blow.On == item || blow.Second == item).ForEach(Remove);
+            Sources.FindAll(source => source.On == item).ForEach(Remove);
             Listeners.RemoveAll(listener => listener.On == item);
             Objects.Remove(item);
         }
@@ -530,7 +531,7 @@ namespace HapticTracer
                     node.Aside = item.Body.Spring != null ? 1 : double.IsNaN(x) ? Infinite : Math.Max(a * a + b * b + c * c, 1e-12);
                 }
             }
-            for (var band = 0; band < Bands; band++) Carry(band);
+            Carry();
         }
 
         void Alone(Node node)
@@ -556,59 +557,68 @@ namespace HapticTracer
 
         static bool IsSoft(Node node) { return node.Give > 0 || node.Owner.Body.Spring != null; }
 
-        /// <summary>The mobilities in a band with which small bodies drive others: those of what stands behind them, through some in a row.</summary>
-        void Carry(int band)
+        /// <summary>The mobilities with which small bodies drive others: those of what stands behind them, through some in a row.</summary>
+        void Carry()
         {
             foreach (var touching in contacts)
             {
-                touching.Node.Before = touching.Node.Alone[band];
-                touching.OtherNode.Before = touching.OtherNode.Alone[band];
+                Array.Copy(touching.Node.Alone, touching.Node.Before, Bands);
+                Array.Copy(touching.OtherNode.Alone, touching.OtherNode.Before, Bands);
             }
             for (var o = 0; o < carriers; o++)
             {
                 var item = carrying[o];
                 item.Due = 1;
-                for (var k = 0; k < item.Count && item.Body.Spring != null; k++) item.Nodes[k].Before = Infinite;
+                for (var k = 0; k < item.Count && item.Body.Spring != null; k++)
+                    for (var band = 0; band < Bands; band++) item.Nodes[k].Before[band] = Infinite;
             }
             for (var link = 0; link < Chain; link++)
             {
-                for (var o = 0; o < carriers; o++) if ((carrying[o].Due >> link & 1) != 0) Carry(carrying[o], band, 2 << link);
+                for (var o = 0; o < carriers; o++) if ((carrying[o].Due >> link & 1) != 0) Carry(carrying[o], 2 << link);
                 for (var o = 0; o < carriers; o++)
                 {
                     var item = carrying[o];
-                    for (var k = 0; k < item.Count && (item.Due >> link & 1) != 0; k++) item.Nodes[k].Before = item.Nodes[k].Now;
+                    for (var k = 0; k < item.Count && (item.Due >> link & 1) != 0; k++) Array.Copy(item.Nodes[k].Mobility, item.Nodes[k].Before, Bands);
                 }
-            }
-            for (var o = 0; o < carriers; o++)
-            {
-                var item = carrying[o];
-                for (var k = 0; k < item.Count; k++) item.Nodes[k].Mobility[band] = item.Nodes[k].Before;
             }
         }
 
-        void Carry(TracedObject item, int band, int next)
+        void Carry(TracedObject item, int next)
         {
-            var isSpring = item.Body.Spring != null;
-            double flexible = isSpring ? omega[band] / (2 * item.Body.Spring[0]) : 1 / item.Body.Bending[band], best = Infinite, second = Infinite;
-            Node least = null;
+            var body = item.Body;
+            var flexible = body.Flexible;
+            for (var band = 0; band < Bands; band++) best[band] = second[band] = Infinite;
             for (var k = 0; k < item.Count; k++)
             {
                 var node = item.Nodes[k];
                 if (node.Partner == null) continue;
-                var behind = node.Opening * (node.Partner.Before + flexible * node.Aside + omega[band] * node.Give);
-                if (behind >= second) continue;
-                second = behind < best ? best : behind;
-                if (behind >= best) continue;
-                best = behind;
-                least = node;
+                var beyond = node.Partner.Before;
+                double opening = node.Opening, aside = node.Aside, give = node.Give;
+                for (var band = 0; band < Bands; band++)
+                {
+                    var behind = opening * (beyond[band] + flexible[band] * aside + omega[band] * give);
+                    if (behind >= second[band]) continue;
+                    if (behind < best[band])
+                    {
+                        second[band] = best[band];
+                        best[band] = behind;
+                        least[band] = k;
+                    }
+                    else second[band] = behind;
+                }
             }
             for (var k = 0; k < item.Count; k++)
             {
                 var node = item.Nodes[k];
                 if (node.Partner == null) continue;
-                var driving = flexible * node.Aside + (node == least ? second : best);
-                node.Now = isSpring || driving < node.Alone[band] ? driving : node.Alone[band];
-                if (node.Now != node.Before) node.Partner.Owner.Due |= next;
+                double[] alone = node.Alone, before = node.Before, now = node.Mobility;
+                for (var band = 0; band < Bands; band++)
+                {
+                    var driving = flexible[band] * node.Aside + (least[band] == k ? second[band] : best[band]);
+                    if (driving > alone[band] && body.Spring == null) driving = alone[band];
+                    now[band] = driving;
+                    if (driving != before[band]) node.Partner.Owner.Due |= next;
+                }
             }
         }
 
@@ -782,33 +792,29 @@ namespace HapticTracer
                 Array.Resize(ref keys, 2 * size);
                 Array.Resize(ref values, 2 * size);
             }
-            var costs = keys;
-            var nodes = values;
             var place = size++;
-            for (int above; place > 0 && costs[above = (place - 1) >> 1] > key; place = above)
+            for (int above; place > 0 && keys[above = (place - 1) / 2] > key; place = above)
             {
-                costs[place] = costs[above];
-                nodes[place] = nodes[above];
+                keys[place] = keys[above];
+                values[place] = values[above];
             }
-            costs[place] = key;
-            nodes[place] = value;
+            keys[place] = key;
+            values[place] = value;
         }
 
         void Pop()
         {
-            var costs = keys;
-            var nodes = values;
-            var key = costs[--size];
-            int place = 0, count = size;
-            for (int below; (below = 2 * place + 1) < count; place = below)
+            var key = keys[--size];
+            var place = 0;
+            for (int below; (below = 2 * place + 1) < size; place = below)
             {
-                if (below + 1 < count && costs[below + 1] < costs[below]) below++;
-                if (costs[below] >= key) break;
-                costs[place] = costs[below];
-                nodes[place] = nodes[below];
+                if (below + 1 < size && keys[below + 1] < keys[below]) below++;
+                if (keys[below] >= key) break;
+                keys[place] = keys[below];
+                values[place] = values[below];
             }
-            costs[place] = key;
-            nodes[place] = nodes[count];
+            keys[place] = key;
+            values[place] = values[size];
         }
 
         // Samples.
@@ -928,7 +934,10 @@ namespace HapticTracer
                 if (row.ContainsKey("body"))
                 {
                     var body = (Dictionary<string, object>)row["body"];
-                    item.Body = new Body { Kind = Whole(body["kind"]), Mobility = Array.ConvertAll(Numbers(body["impedance"]), value => 1 / value), Bending = Numbers(Get(body, "bending")), HalfSpace = Numbers(Get(body, "half_space")), Spring = Numbers(Get(body, "spring")) };
+                    double[] bending = Numbers(Get(body, "bending")), spring = Numbers(Get(body, "spring"));
+                    item.Body = new Body { Kind = Whole(body["kind"]), Mobility = Array.ConvertAll(Numbers(body["impedance"]), value => 1 / value), HalfSpace = Numbers(Get(body, "half_space")), Spring = spring };
+                    if (spring != null) item.Body.Flexible = Array.ConvertAll(tracer.omega, omega => omega / (2 * spring[0]));
+                    else if (bending != null) item.Body.Flexible = Array.ConvertAll(bending, value => 1 / value);
                 }
                 tracer.Objects.Add(item);
             }
