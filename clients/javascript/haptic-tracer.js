@@ -1,7 +1,8 @@
 /**
  * Haptic tracing by itself: the graph of what touches, best paths, mix. What touches and what hits is told by the engine. ES module without
  * dependencies, for browsers and Node; a step allocates nothing once it has run. The tables are those of NAME.tracer.json (docs/tracer.md),
- * or are made in code. Vectors have x, y, z. The same in C#: clients/csharp/HapticTracer.cs.
+ * or are made in code. Vectors have x, y, z; positions in the space of an object are lists, as in the tables. The same in C#:
+ * clients/csharp/HapticTracer.cs.
  *
  * const tracer = Tracer.read(await (await fetch("bench.tracer.json")).text());
  * tracer.setContacts([{one: 0, other: 1, at: {x: 1, y: 0, z: 0}, normal: {x: 0, y: 1, z: 0}}]);
@@ -19,7 +20,7 @@ const vector = ([x, y, z]) => ({x, y, z});
 /** The normal of a contact of which an engine tells none. */
 const NOWHERE = vector([NaN, NaN, NaN]);
 
-function between(a, b) {
+function apart(a, b) {
   const x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
   return Math.sqrt(x * x + y * y + z * z);
 }
@@ -110,7 +111,7 @@ class Node {
   /** The number of its object, and where it stays there. */
   constructor(object = 0, position = null) {
     this.object = object;
-    this.position = position;
+    this.position = position && vector(position);
   }
 }
 
@@ -126,7 +127,6 @@ class Nodes {
 
 /** An object that vibration runs through. `class`: in the tables of contacts and blows; `mass`: 0 if nothing moves it. */
 export class TracedObject extends Nodes {
-  name = "";
   function = new TracedFunction();
   class = 0;
   mass = 0;
@@ -143,6 +143,7 @@ export class TracedObject extends Nodes {
   constructor(form) {
     super();
     Object.assign(this, form);
+    this.centre &&= vector(this.centre);
     this.move(...this.pose);
   }
 
@@ -175,7 +176,8 @@ export class TracedObject extends Nodes {
   }
 
   toLocal(world) {
-    return this.turned({x: world.x - this.x, y: world.y - this.y, z: world.z - this.z}, {}, -this.qw);
+    const {x, y, z} = this.turned({x: world.x - this.x, y: world.y - this.y, z: world.z - this.z}, {}, -this.qw);
+    return [x, y, z];
   }
 }
 
@@ -215,15 +217,12 @@ class Heard {
   now = new Float64Array(BANDS);
   late = 0;
   later = 0;
-
-  constructor(lanes) {
-    this.gains = new Float64Array(lanes);
-  }
+  /** By lane. */
+  gains = new Float64Array(1 + BANDS);
 }
 
 /** What vibrates: always, or, where it plays `once`, whenever it is asked to. `object`: number of its object; `position`: there. */
 export class Source {
-  name = "";
   amplitude = 1;
   once = false;
   voices = 0;
@@ -238,15 +237,13 @@ export class Source {
 
   /** The gain of its signal on the best path to a listener. */
   gain(listener) {
-    const {gains} = this.heard[listener];
-    return Math.sqrt(Math.max(this.signal.power.reduce((sum, row, i) => row.reduce((sum, value, j) => sum + gains[i] * value * gains[j], sum), 0), 0));
+    const {gains} = this.heard[listener] ?? {gains: []};
+    return Math.sqrt(Math.max(this.signal.power.reduce((sum, row, i) => row.reduce((sum, value, j) => sum + gains[i] * value * gains[j], sum), 0), 0)) || 0;
   }
 }
 
 /** Where it is felt: a ball on an object. `samples`: of the last step; there may be room for more behind them. */
 export class Listener {
-  name = "";
-  body_part = "";
   radius = 0;
   gain = 1;
   s_max = 1;
@@ -292,11 +289,10 @@ export class Tracer {
   _second = new Float64Array(BANDS);
   _vector = {...NOWHERE};
   _pending = Array.from({length: 513}, () => new Nodes());
-  _recentPlace = 0;
   _recentCount = 0;
 
   constructor({lanes = 1, sample_rate = 8000, frequencies = []} = {}) {
-    Object.assign(this, {lanes, sample_rate, _costs: new Float64Array(lanes), _omega: frequencies.map(frequency => 2 * Math.PI * frequency)});
+    Object.assign(this, {lanes, sample_rate, _omega: frequencies.map(frequency => 2 * Math.PI * frequency)});
     /** By the classes of two objects: what contacts pass on, and what blows play. */
     this.between = [[new TracedFunction()]];
     this.impacts = [[{least_energy: 0.05, full_energy: 100, gain: [0, 1], signals: [Signal.tone(150, 0.03, sample_rate)]}]];
@@ -309,10 +305,9 @@ export class Tracer {
     const tracer = new Tracer(file), signals = file.signals.map(Signal.read);
     const functions = file.functions.map(form => new TracedFunction(form, file.grid));
     const impacts = file.impacts.map(form => ({...form, signals: form.signals.map(number => signals[number])}));
-    const placed = form => ({...form, position: vector(form.position), signal: signals[form.signal]});
-    tracer.objects = file.objects.map(form => new TracedObject({...form, function: functions[form.function], centre: form.centre && vector(form.centre)}));
-    tracer.sources = file.sources.map(form => new Source(placed(form)));
-    tracer.listeners = file.listeners.map(form => new Listener(placed(form)));
+    tracer.objects = file.objects.map(form => new TracedObject({...form, function: functions[form.function]}));
+    tracer.sources = file.sources.map(form => new Source({...form, signal: signals[form.signal]}));
+    tracer.listeners = file.listeners.map(form => new Listener(form));
     tracer.between = file.between.map(row => row.map(number => functions[number]));
     tracer.impacts = file.blows.map(row => row.map(number => impacts[number]));
     for (const {objects, positions, normal, ...form} of file.contacts) {
@@ -387,7 +382,7 @@ export class Tracer {
   /** The level of the last quarter second of a listener in decibels, null for silence. */
   level(listener) {
     let sum = 0, energy = 0;
-    const {recent} = this.listeners[listener];
+    const recent = this.listeners[listener].recent ?? [];
     for (let k = 0; k < recent.length; k++) {
       sum += recent[k];
       energy += recent[k] * recent[k];
@@ -453,7 +448,7 @@ export class Tracer {
     let byBodies = false;
     for (let k = 0; k < this._touching; k++) {
       const contact = this._contacts[k], {nodes: [one, other], function: own} = contact, a = one.item.body, b = other.item.body;
-      contact.distance = between(one, other);
+      contact.distance = apart(one, other);
       contact.rest = -Math.log(contact.weight);
       if (own.isSpecial) {
         contact.angle = Math.acos(Math.min(Math.abs(contact.normal.y), 1));
@@ -538,7 +533,7 @@ export class Tracer {
 
   _propagate(source) {
     const {lanes, listeners} = this, {signal} = source;
-    if (source.heard.length !== listeners.length) source.heard = listeners.map(() => new Heard(lanes));
+    if (source.heard.length !== listeners.length) source.heard = listeners.map(() => new Heard());
     for (const heard of source.heard) {
       heard.path.length = 0;
       heard.gains.fill(0);
@@ -567,7 +562,7 @@ export class Tracer {
   }
 
   _distance(a, b) {
-    return Math.max(between(a, b) - a.reach - b.reach, 0);
+    return Math.max(apart(a, b) - a.reach - b.reach, 0);
   }
 
   /** Dijkstra's algorithm; one step is through an object and over a contact. */
@@ -621,7 +616,7 @@ export class Tracer {
 
   /** Take gains and paths to the listeners without any from the last search. Whether all have one then. */
   _collect(source) {
-    const {lanes, listeners, _costs: costs} = this;
+    const {lanes, listeners} = this;
     let all = true;
     for (let k = 0; k < listeners.length; k++) {
       const {path, gains} = source.heard[k];
@@ -629,17 +624,16 @@ export class Tracer {
       if (path.length) continue;
       all &&= node.entry !== null;
       if (!node.entry) continue;
-      costs.fill(0);
       while (node) {
         const begin = node.entry, {function: own} = node.item, distance = this._distance(begin, node), shape = own.shape(distance, begin, node);
         if (node.object !== path.at(-1)) path.push(node.object);
         late += own.slowness * distance;
         node = begin.partner;
         if (node) late += begin.contact.function.slowness * begin.contact.distance;
-        for (let lane = 0; lane < lanes; lane++) costs[lane] += own.loss[lane] + own.decay[lane] * distance + shape + (node ? this._crossing(node, lane) : 0);
+        for (let lane = 0; lane < lanes; lane++) gains[lane] += own.loss[lane] + own.decay[lane] * distance + shape + (node ? this._crossing(node, lane) : 0);
       }
       path.reverse();
-      for (let lane = 0; lane < lanes; lane++) gains[lane] = Math.exp(-costs[lane]);
+      for (let lane = 0; lane < lanes; lane++) gains[lane] = Math.exp(-gains[lane]);
       source.heard[k].later = late * this.sample_rate;
     }
     return all;
@@ -669,12 +663,12 @@ export class Tracer {
       this.blows = this.blows.filter(blow => blow.voices);
     }
     for (const {samples, recent, s_max} of listeners) {
+      recent.copyWithin(0, count);
       for (let k = 0; k < count; k++) {
         samples[k] = Math.max(-s_max, Math.min(samples[k], s_max));
-        recent[(this._recentPlace + k) % window] = samples[k];
+        recent[window - count + k] = samples[k];
       }
     }
-    this._recentPlace = (this._recentPlace + count) % window;
     this._recentCount = Math.min(this._recentCount + count, window);
   }
 

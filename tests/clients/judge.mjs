@@ -6,12 +6,15 @@ import {Tracer} from "../../clients/javascript/haptic-tracer.js";
 
 let tracer = null, contacts = [];
 const at = (numbers, place) => ({x: numbers[place], y: numbers[place + 1], z: numbers[place + 2]});
-const placed = (node, numbers) => { node.position = tracer.objects[node.object].toLocal(at(numbers, 1)); };
+const placed = (node, numbers) => {
+  const [x, y, z] = tracer.objects[node.object].toLocal(at(numbers, 1));
+  node.position = {x, y, z};
+};
 const heard = source => ({
   amplitude: source.amplitude,
   gains: tracer.listeners.map((_, k) => source.gain(k)),
   delays: source.heard.map(({later}) => later),
-  lanes: source.heard.flatMap(({gains}) => [...gains]),
+  lanes: source.heard.flatMap(({gains}) => [...gains.slice(0, tracer.lanes)]),
   paths: source.heard.map(({path}) => path),
 });
 const words = {

@@ -16,8 +16,8 @@ for (const [size, description] of [
   numbers.set(world.createCollider(RAPIER.ColliderDesc.cuboid(...size).setDensity(40), body).handle, bodies.push(body) - 1);
   tracer.objects.push(new TracedObject({function: new TracedFunction({decay: [0.2]})}));
 }
-tracer.sources.push(new Source({object: 0, position: {x: 0, y: 0.5, z: 0}, signal: Signal.tone(80)}));
-tracer.listeners.push(new Listener({object: 2, position: {x: 0, y: 0.25, z: 0}}));
+tracer.sources.push(new Source({object: 0, position: [0, 0.5, 0], signal: Signal.tone(80)}));
+tracer.listeners.push(new Listener({object: 2, position: [0, 0.25, 0]}));
 let contacts = [];
 for (let k = 0; k < 180; k++) {
   world.step();
