@@ -10,6 +10,7 @@ from bpy.types import Collection, Depsgraph, LayerCollection, Object, Scene, Vie
 from numpy.typing import NDArray
 
 from ..blender.arrays import read_array
+from ..changes.events import file_changed
 
 
 def traced_layer(scene: Scene) -> ViewLayer:
@@ -23,10 +24,19 @@ def traced_layer(scene: Scene) -> ViewLayer:
     return next(shown, scene.view_layers[0])
 
 
+_apart: set[int] = set()
+"""Session ids of scenes that were read while a window showed another one."""
+
+
 def is_shown(scene: Scene) -> bool:
-    """Whether all windows show a scene: Blender then writes what it evaluates to the objects
-    themselves."""
-    return all(window.scene == scene for window in bpy.context.window_manager.windows)
+    """Whether all windows show a scene, and always have when it was read: Blender then writes what
+    it evaluates to the objects themselves. What it evaluated before is not written later."""
+    if any(window.scene != scene for window in bpy.context.window_manager.windows):
+        _apart.add(scene.session_uid)
+    return scene.session_uid not in _apart
+
+
+file_changed.subscribe(_apart.clear)
 
 
 def evaluated_in(objects: Iterable[Object], depsgraph: Depsgraph) -> Iterable[Object]:
