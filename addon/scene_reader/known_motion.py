@@ -38,7 +38,7 @@ def known_motion(
     one before, because what it tells of has come to rest in between."""
     if not len(now.bodies) or since >= frame:
         return None
-    known = _numbered(before, now)
+    known = transforms_before(before, now)
     rows = _striking(known, now, _moving(last))
     if not len(rows):
         return None
@@ -63,7 +63,7 @@ def known_motion(
     return KnownMotion(seconds / count, found) if found else None
 
 
-def _numbered(before: Reading, now: Reading) -> FloatArray:
+def transforms_before(before: Reading, now: Reading) -> FloatArray:
     """The transforms (n, 4, 4) ``before`` of the bodies of ``now``, NaN of new ones."""
     if before.objects is now.objects:
         return before.transforms

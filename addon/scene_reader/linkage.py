@@ -46,9 +46,8 @@ class Linkage:
     def _turns(self, link: Link) -> bool:
         """Whether something may turn a link: a constraint that moves it, too, parts the joint."""
         obj, bone = link
-        if bone or any(not item.mute for item in obj.constraints):
-            return True
-        return any(path.startswith("rotation") for path in self._animated(obj))
+        turns = any(path.startswith("rotation") for path in self._animated(obj))
+        return bool(bone) or turns or any(not item.mute for item in obj.constraints)
 
     def _animated(self, obj: Object) -> frozenset[str]:
         """The data paths whose values change by animation."""

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from bpy.types import Object, Scene
 
-from ...core.arrays import carried
 from ...core.contacts.settings import Motion
 from ...core.contacts.shapes import transformed_bounds
 from ..blender.compatibility import fcurves_of
 from ..blender.full_names import object_named
 from ..blender.time import frame_seconds, stretching
 from .digest import with_movers
+from .known_motion import transforms_before
 from .plain_values import TRANSFORM
 from .reading import Reading
 
@@ -33,11 +33,7 @@ def set_elsewhere(
     frame ``since``, whose reading is ``before``: those that lie clear of where they
     were, and of which a curve of their place, or of what they follow, jumps, as by constant
     interpolation, or where a cycle begins again."""
-    known = before.transforms
-    if before.objects is not now.objects:
-        number = {body.name: k for k, body in enumerate(before.bodies)}
-        rows = np.array([number.get(body.name, -1) for body in now.bodies], dtype=np.int64)
-        known = carried(known.transpose(1, 2, 0), rows, np.nan).transpose(2, 0, 1)
+    known = transforms_before(before, now)
     way = now.transforms[:, :3, 3] - known[:, :3, 3]
     frames = frame - since
     fast = (way * way).sum(axis=1) > (_SLOW * frames * frame_seconds(scene)) ** 2

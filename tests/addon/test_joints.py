@@ -122,6 +122,22 @@ def test_parts_of_a_bone_and_its_parent_conduct_at_its_head(scene, arm, turns, c
         np.testing.assert_allclose(contact.depth, [0.01], atol=1e-5)
 
 
+def test_levels_at_rest_are_those_of_parts_without_a_joint(scene, arm, add_box, traced):
+    """Two rods beside the arm's, of the same places, that nothing holds together."""
+    arm()
+    names = "lower rod", "upper rod"
+    for name in names:
+        rod = scene.objects[name]
+        add_box(f"loose {name}", rod.matrix_world.translation + Vector((5, 0, 0)), (0.2, 0.2, 1))
+    for kind in ("", "loose "):
+        scene.objects[f"{kind}lower rod"].haptics.source.enabled = True
+        scene.objects[f"{kind}upper rod"].haptics.listener.enabled = True
+    result = traced()
+    assert [set(joint.objects) for joint in joints()] == [set(names)]
+    of_arm, loose = np.sort(result.amplitudes[result.amplitudes > 0])
+    assert abs(20 * np.log10(of_arm / loose)) < 0.1
+
+
 @pytest.mark.parametrize("scale", [0.5, 2.0, -1.0])
 def test_a_scaled_armature_has_its_joints_where_they_are_seen(scene, arm, scale):
     rig = arm()
