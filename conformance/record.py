@@ -22,6 +22,7 @@ from haptic_tracing.addon.io.written_objects import WrittenObjects
 from haptic_tracing.addon.session import session, timeline
 from haptic_tracing.addon.session.sessions import Traced
 from haptic_tracing.addon.view.levels import shown_levels
+from haptic_tracing.core.contacts.shapes import quaternions, rotation_matrix
 from haptic_tracing.core.formats.scene.scene_json import scene_to_dict
 from haptic_tracing.core.formats.scene.values_json import item_to_dict
 from haptic_tracing.core.render.history import History
@@ -37,8 +38,8 @@ CARRIED = 1e-4
 
 def recording(scene, first, last):
     """The messages of an engine that has the poses of ``scene``, and the answers that agree with
-    the levels, gains and impacts of Blender's frames by these poses: what curves tell between them
-    an engine doesn't know."""
+    the levels, gains and impacts of Blender's frames by these poses, as the messages have them:
+    what curves tell between them an engine doesn't know."""
     exchange, pen, tracer, history = [], None, Tracer(), History()
     with closing(timeline.steps(scene, first, last)) as steps:
         for step in steps:
@@ -47,7 +48,9 @@ def recording(scene, first, last):
                 pen = _Pen(step.result, own.reading, scene)
                 exchange.append(pen.hello())
             tracer.collisions.settings = own.reading.contact_settings
-            result = tracer.step(replace(own.request.frame, motion=None))
+            sent = own.request.frame.transforms.copy()
+            sent[:, :3, :3] = rotation_matrix(quaternions(sent[:, :3, :3]))
+            result = tracer.step(replace(own.request.frame, motion=None, transforms=sent))
             history.feed(result)
             shown = Traced(result, own.reading.settings, history.all(), own.reading)
             exchange += pen.messages(own.reading, result, shown)
