@@ -138,6 +138,24 @@ def test_levels_shake_pads_and_controllers(page):
     assert page.run(script) == [["dual-rumble", strength, 60], [strength, 60], 0, "nothing"]
 
 
+def test_the_page_without_a_server_feels_a_crate_land(site, tmp_path):
+    """After the blow the hand feels the motor, 2 m away through the ground and the middle of the
+    bench, and the foot, as far away through the ground alone, feels it better."""
+    blank = tmp_path / "blank.html"
+    blank.write_text("<title>blank</title>")
+    with Page(blank, tmp_path / "profile") as opened:
+        opened.ask("Page.navigate", opened._session, url=f"{site}/tracer.html")
+        wait_for(opened, "document.title", "[1-9] blows")
+        calm = round(20 * math.log10(0.1 / math.sqrt(2) * math.exp(-0.2 * 2)))
+        wait_for(opened, "document.getElementById('text').textContent", f"foot {calm} dB")
+        hand = math.exp(-0.2 * (3 + math.hypot(0.6, 0.5)))
+        wait_for(
+            opened,
+            "document.getElementById('text').textContent",
+            f"Hand {round(20 * math.log10(0.1 / math.sqrt(2) * hand))} dB",
+        )
+
+
 def test_what_touches_in_rapier_is_traced(folder):
     """Two crates of 5 kg and half a metre on each other: the forces are their weights, and the tone
     runs 1 m through the ground and 0.5 m through either crate."""
