@@ -394,10 +394,17 @@ class Stress:
         for _ in range(self.random.randint(1, 3)):
             if bpy.ops.ed.undo.poll():
                 bpy.ops.ed.undo()
+        self.arrive()
 
     def redo(self):
         if bpy.ops.ed.redo.poll():
             bpy.ops.ed.redo()
+        self.arrive()
+
+    def arrive(self):
+        """Undo may come to a scene where nothing has happened yet."""
+        if session.result_of(self.scene) is None:
+            self.scene.frame_set(self.scene.frame_current)
 
     def load(self):
         bpy.ops.wm.save_as_mainfile(filepath=self.file, check_existing=False)
@@ -431,11 +438,6 @@ class Stress:
         depsgraph = bpy.context.evaluated_depsgraph_get()
         reader = SceneReader()
         reading = reader.read(scene, depsgraph)
-        if session.result_of(scene) is None and self.done[-1] in (
-            "undo",
-            "redo",
-        ):  # it came to a scene where nothing happened yet
-            scene.frame_set(scene.frame_current)
         result = session.result_of(scene)
         where = f"after {len(self.done)} operations, the last of them {self.done[-6:]}"
         if reader.is_empty:  # nothing is tagged
