@@ -22,6 +22,7 @@ FRAMES = 30
 SAME_PLACE = 1e-6
 """Metres: poses of children are corrected by what rounding has changed since the frame before."""
 MOST_BOXES = 12
+MOST_CORNERS = 64
 SAME = 1e-3
 """Relative difference of gains: a contact is found again only where its bodies have moved by more
 than 0.01 mm."""
@@ -309,7 +310,8 @@ class Stress:
 
     def join(self):
         box, other = self.some_box(), self.some_box()
-        if box != other and box.data != other.data:
+        corners = len(box.data.vertices) + len(other.data.vertices)
+        if box != other and box.data != other.data and corners <= MOST_CORNERS:
             both = [box, other]
             with bpy.context.temp_override(
                 active_object=box, object=box, selected_objects=both, selected_editable_objects=both
