@@ -399,6 +399,21 @@ class MotionHistory:
             trend=carried(found.trend, before, 0.0),
         )
 
+    def _steady_gain(
+        self, kinematic: BoolArray, chord: FloatArray, known: float, older: float, weight: float
+    ) -> FloatArray:
+        """Acceleration (3, n) [m/s^2] over the last two intervals, of ``known`` and ``older``
+        seconds and the mean velocity ``chord`` (3, n) in the last; 0 where a hit falsifies it."""
+        before = self._poses[-3][9:] - self._poses[-4][9:]
+        # A body at rest that was hit in the interval before the last moves only from then on.
+        knocked = (self._since_hit == 2) & (self._since_onset == 2)
+        since = np.where(knocked, self.times[-3] - self._hit_time, older)
+        since = np.clip(since, older / 10, older)
+        gain = 2 * (chord - before / since) / (known + since)
+        steady = knocked | ((self._since_hit > 2) & (self._since_onset > 2))
+        steady &= ~kinematic & (_squared(gain) <= (_PLAUSIBLE * weight) ** 2)
+        return np.where(steady, gain, 0.0)
+
     def _curved(
         self,
         kinematic: BoolArray,
@@ -436,14 +451,7 @@ class MotionHistory:
             change = before_spin - spins(self._poses[-4], earlier, older[0])
             steady_turn = plausible & (4 * _squared(change) <= _squared(before_spin))
             before_spin += np.where(steady_turn, change, 0.0) * (step + known) / (known + older[0])
-            # A body at rest that was hit in the interval before the last moves only from then on.
-            knocked = (self._since_hit == 2) & (self._since_onset == 2)
-            since = np.where(knocked, self.times[-3] - self._hit_time, older[0])
-            since = np.clip(since, older[0] / 10, older[0])
-            gain = 2 * (chord - (before - self._poses[-4][9:]) / since) / (known + since)
-            steady = knocked | ((self._since_hit > 2) & (self._since_onset > 2))
-            steady &= ~kinematic & (_squared(gain) <= (_PLAUSIBLE * weight) ** 2)
-            trend[1] = np.where(steady, gain, 0.0)
+            trend[1] = self._steady_gain(kinematic, chord, known, older[0], weight)
             trend[0] += trend[1] * (known / 2)
         begin = chord + bend * (known / 2)
         if weight > 0:
