@@ -1,9 +1,7 @@
 """Contacts in Blender scenes: bad geometry is named and the rest goes on; jumps make no impacts;
 simulated falls hit as mechanics says."""
 
-import importlib.util
 import math
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -11,12 +9,6 @@ import pytest
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.session import session
 from written_scenes import read_scene
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).with_name("recording_layout.py")
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 
 def problems():

@@ -3,16 +3,15 @@ returns with the frame before; once the trace has ended, they show the new one."
 
 from __future__ import annotations
 
-import importlib.util
 import threading
 import time
 from concurrent.futures import Future
-from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
+import recording_layout
 from haptic_tracing.addon.registration import classes
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import layout, meters, overlay
@@ -21,12 +20,6 @@ from haptic_tracing.pictures import picture
 from mathutils import Matrix
 
 pytestmark = pytest.mark.usefixtures("as_events")
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parent / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 SIZE = (900, 600)
 PATIENCE = 60.0

@@ -1,13 +1,12 @@
 """What the sidebar begins with: the answer, the next step, and the cure of what keeps a listener
 from feeling anything."""
 
-import importlib.util
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import pytest
+import recording_layout
 from haptic_tracing.addon.blender import compatibility
 from haptic_tracing.addon.blender.text import text_width
 from haptic_tracing.addon.panels import cures, hints, listener, object, scene, source, texts
@@ -16,12 +15,6 @@ from haptic_tracing.core.scene.choices import SourceKind
 from haptic_tracing.core.scene.values import Source
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parent / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 
 def drawn(panel):

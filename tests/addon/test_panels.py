@@ -1,20 +1,13 @@
 """Every panel draws, with nothing, with a result and with problems; what it shows is what was
 traced."""
 
-import importlib.util
-from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import pytest
+import recording_layout
 from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.addon.scene_reader import functions
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parent / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 
 def _panels():

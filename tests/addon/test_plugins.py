@@ -1,22 +1,15 @@
 """Plug-ins of other packages and extensions: what they offer is there, and one that fails stops
 nothing."""
 
-import importlib.util
 import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+import recording_layout
 from haptic_tracing.addon.panels import preferences
 from haptic_tracing.core import plugins
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parent / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 FORMAT = """
 from haptic_tracing.core.formats.io.catalogue import Format

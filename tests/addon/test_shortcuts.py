@@ -7,14 +7,9 @@ from types import SimpleNamespace
 
 import bpy
 import haptic_tracing
+import recording_layout
 from haptic_tracing.addon.panels import object_menus, preferences
 from haptic_tracing.core.scene.values import MODES
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout_of_shortcuts", Path(__file__).parent / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 MODIFIERS = ("ctrl", "shift", "alt", "oskey")
 OF_PLUGINS = {"haptic.drag_one_shot"}

@@ -1,7 +1,6 @@
 """A file, a speaker or the sequencer's sound becomes the vibration of a source; what is wrong with
 it is said, and the rest goes on."""
 
-import importlib.util
 import json
 import sys
 import wave
@@ -11,18 +10,13 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+import recording_layout
 from haptic_tracing.addon.blender import compatibility, job
 from haptic_tracing.addon.io import sound_source
 from haptic_tracing.addon.session import session, sessions
 from haptic_tracing.addon.view import sound_picture
 from haptic_tracing.core.devices.profile_files import profile
 from made_sounds import claps, drums
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parent / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 RATE = 16000
 CONTENT_START, LEFT_HANDLE = (

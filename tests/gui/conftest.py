@@ -134,7 +134,7 @@ def play(folder, environment, installed):
             HERE / "window.py",
             HERE / "vr_stage.py",
             HERE.parent / "package" / "registered.py",
-            HERE.parent / "addon" / "recording_layout.py",
+            HERE.parent / "references" / "recording_layout.py",
             ROOT / "docs" / "tutorial.md",
             scenario,
         ):

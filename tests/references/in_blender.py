@@ -28,6 +28,7 @@ import pytest
 from haptic_tracing.addon import gateway, translations
 from haptic_tracing.addon.changes.suspension import suspended
 from haptic_tracing.sample_scenes import build_sample
+from recording_layout import RecordingLayout
 
 # Tests replace parts of modules: they need the modules themselves, not their stand-ins. Property
 # groups are completed before their types are kept below.
@@ -109,6 +110,12 @@ def add_empty() -> Callable[..., Any]:
     return add
 
 
+@pytest.fixture
+def recording_layout() -> type[RecordingLayout]:
+    """The class of a layout that records what is drawn."""
+    return RecordingLayout
+
+
 @pytest.fixture(scope="session")
 def sample_files(shared_folder: Path) -> Path:
     """The folder of samples that were built."""
@@ -145,6 +152,30 @@ def traced() -> Callable[[], Any]:
         return session.trace(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
 
     return trace
+
+
+ALPHA = {"left": 0.5, "right": 2.0}
+"""Attenuations [1/m] of the boxes of `drill_and_hand`."""
+
+
+@pytest.fixture
+def drill_and_hand(
+    scene: Any,
+    add_box: Callable[..., Any],
+    add_empty: Callable[..., Any],
+    traced: Callable[[], Any],
+) -> Any:
+    """A scene of two boxes of 2 m that touch at x = 0; a source at x = -1.8 and a listener at x =
+    1.8."""
+    for name, x in (("left", -1), ("right", 1)):
+        box = add_box(name, (x, 0, 0), (2, 2, 2))
+        box.haptics.function, box.haptics.alpha = "exponential", ALPHA[name]
+    drill = add_empty("drill", (-0.4, 0, 0), bpy.data.objects["left"])
+    drill.haptics.source.enabled, drill.haptics.source.amplitude = True, 0.5
+    hand = add_empty("hand", (0.4, 0, 0), bpy.data.objects["right"])
+    hand.haptics.listener.enabled, hand.haptics.listener.radius = True, 0.0
+    traced()
+    return scene
 
 
 @pytest.fixture

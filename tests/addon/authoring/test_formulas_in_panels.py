@@ -1,24 +1,17 @@
 """Formulas in the panel: the mark stands below the place; a wrong one stops nothing else."""
 
-import importlib.util
-from pathlib import Path
 from types import SimpleNamespace
 
 import blf
 import bpy
 import haptic_tracing
 import pytest
+import recording_layout
 from haptic_tracing.addon.panels import formula
 from haptic_tracing.addon.properties import preferences
 from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.addon.session import session
 from haptic_tracing.core.scene.functions import check_expression
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout_of_authoring", Path(__file__).parents[1] / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 
 def _draw(panel):

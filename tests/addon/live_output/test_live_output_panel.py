@@ -1,26 +1,19 @@
 """What the panel shows of devices in every state, against a recorder that refuses what Blender
 would."""
 
-import importlib.util
 import os
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import pytest
+import recording_layout
 from fake_hid import until
 from haptic_tracing.addon.live_output import handlers, outputs
 from haptic_tracing.addon.panels import live_output
 from haptic_tracing.addon.properties.preferences import preferences
 from haptic_tracing.addon.registration.properties import classes_of
 from haptic_tracing.core.devices.status import Status
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parents[1] / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 
 def drawn():

@@ -1,13 +1,12 @@
 """What a listener's and a source's panel says about mixing, felt live and from a baked track,
 against the formulas."""
 
-import importlib.util
-from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
+import recording_layout
 from haptic_tracing.addon.bake import playback
 from haptic_tracing.addon.io.frame_scene import scene_of_frame
 from haptic_tracing.addon.live_output import handlers, outputs
@@ -18,12 +17,6 @@ from haptic_tracing.addon.session import session
 from haptic_tracing.core.formats.scene.scene_json import scene_from_dict, scene_to_dict
 from haptic_tracing.core.render.limiter import LOOK_AHEAD
 from haptic_tracing.core.render.renderer import sample_index
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parents[1] / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 RATE = 8000
 TRACK = 1.6e-5  # a track keeps 16 bits

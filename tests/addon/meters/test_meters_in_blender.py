@@ -1,13 +1,12 @@
 """Meters, reasons and modes in a scene: panels, operators, and the picture that is drawn."""
 
-import importlib.util
 from itertools import pairwise
-from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
+import recording_layout
 from haptic_tracing.addon.bake import playback
 from haptic_tracing.addon.live_output.unfelt import device_words
 from haptic_tracing.addon.panels import result as result_panel
@@ -18,12 +17,6 @@ from haptic_tracing.addon.view import explanation, meters, watched
 from haptic_tracing.core.message import Cause, Message
 from haptic_tracing.pictures import picture
 from haptic_tracing.pictures.shown import meters_above
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parents[1] / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 
 @pytest.fixture

@@ -1,26 +1,19 @@
 """The path to a listener against closed forms, its row in the overlay, and the panel that shows
 it."""
 
-import importlib.util
 import math
-from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
+import recording_layout
 from haptic_tracing.addon.panels import answer as answer_panel
 from haptic_tracing.addon.session import sessions
 from haptic_tracing.addon.view import explanation, levels, paths, watched
 from haptic_tracing.addon.view.options import options_of
 from haptic_tracing.addon.view.render_data import HIGHLIGHT_LINE, render_data
 from haptic_tracing.core.message import Cause
-
-_spec = importlib.util.spec_from_file_location(
-    "recording_layout", Path(__file__).parents[1] / "recording_layout.py"
-)
-recording_layout = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(recording_layout)
 
 ALPHA = {"ground": 0.2, "bench": 1.5, "seat": 0.4}
 NEPER = 20 / math.log(10)

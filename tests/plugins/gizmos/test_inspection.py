@@ -2,35 +2,20 @@
 
 import math
 
-import bpy
 import numpy as np
 import pytest
 from haptic_tracing.addon.session import sessions
 from haptic_tracing.core.message import Metres, written
 from haptic_tracing.plugins.gizmos import inspection
+from in_blender import ALPHA
 
-ALPHA = {"left": 0.5, "right": 2.0}
 NEPER = 20 / math.log(10)
 
 
-@pytest.fixture
-def pair(scene, add_box, add_empty, traced):
-    """Two boxes of 2 m that touch at x = 0; a source at x = -1.8 and a listener at x = 1.8."""
-    for name, x in (("left", -1), ("right", 1)):
-        box = add_box(name, (x, 0, 0), (2, 2, 2))
-        box.haptics.function, box.haptics.alpha = "exponential", ALPHA[name]
-    drill = add_empty("drill", (-0.4, 0, 0), bpy.data.objects["left"])
-    drill.haptics.source.enabled, drill.haptics.source.amplitude = True, 0.5
-    hand = add_empty("hand", (0.4, 0, 0), bpy.data.objects["right"])
-    hand.haptics.listener.enabled, hand.haptics.listener.radius = True, 0.0
-    traced()
-    return scene
-
-
-def test_links_say_distance_loss_and_gain(pair):
+def test_links_say_distance_loss_and_gain(drill_and_hand):
     """Losses are alpha times the distance, whatever the amplitude; the source is at 0, and at the
     listener they have added up."""
-    found = inspection.links_of(sessions.shown(pair))
+    found = inspection.links_of(sessions.shown(drill_and_hand))
     drill, hand = sorted(item for item in found.items if item.first in ("drill", "hand"))
     links = found._replace(items=tuple(item for item in found.items if item not in (drill, hand)))
     assert drill[4:] == (0.0, 0.0, 0.0)
@@ -46,7 +31,9 @@ def test_links_say_distance_loss_and_gain(pair):
     assert sum(link.distance for link in links.items) == pytest.approx(3.6, abs=0.3)
     last = min(links.items, key=lambda link: link.gain)
     assert last.gain == pytest.approx(-sum(link.loss for link in links.items))
-    assert last.gain == pytest.approx(20 * math.log10(sessions.shown(pair).result.gains[0, 0]))
+    assert last.gain == pytest.approx(
+        20 * math.log10(sessions.shown(drill_and_hand).result.gains[0, 0])
+    )
     (contact,) = (link for link in links.items if link.first != link.second)
     assert inspection.words_of(contact)[0] == "left × right"
 
