@@ -190,14 +190,15 @@ class _Tables:
     def _between(self, one: HapticObject, other: HapticObject) -> int:
         named = [(item.name, item.material) for item in (one, other)]
         function = self.rules.table.of(*named) or self.rules.functions[0]
+        return self._across(function, one, other)
+
+    def _across(self, function: ModulationFunction, one: HapticObject, other: HapticObject) -> int:
+        """The number of a function of contacts of two objects."""
         kappa, rho = (one.kappa + other.kappa) / 2, (one.rho + other.rho) / 2
         return self._function(function, kappa, rho, function.spectrum.band_decays, True)
 
     def _fixed(self, contact: Contact) -> JsonObject:
         a, b = (self.number[name] for name in contact.objects)
-        one, other = self.objects[a], self.objects[b]
-        function = contact.transmission
-        kappa, rho = (one.kappa + other.kappa) / 2, (one.rho + other.rho) / 2
         return {
             "objects": [a, b],
             "positions": [
@@ -208,11 +209,11 @@ class _Tables:
             "area": contact.area,
             "depth": max(contact.depth, 0.0),
             "weight": contact.weight,
-            "function": self._function(function, kappa, rho, function.spectrum.band_decays, True),
+            "function": self._across(contact.transmission, self.objects[a], self.objects[b]),
         }
 
     def _impact(self, one: HapticObject, other: HapticObject) -> int | None:
-        """The number of what impacts of two objects play, None for nothing."""
+        """The number, in `impacts`, of that of two objects; None if they play nothing."""
         rules = self.scene.rules
         if not rules.impacts or one.medium or other.medium:
             return None
