@@ -39,7 +39,7 @@ class Paths(Mapping[Pair, tuple[int, ...]]):
 
     @classmethod
     def joined(cls, parts: Sequence[Paths]) -> Paths:
-        """The paths of all ``parts``, one part after the other."""
+        """All paths of some ``parts``, in their order."""
         parts = [part for part in parts if len(part)]
         if len(parts) < 2:
             return parts[0] if parts else cls.none()

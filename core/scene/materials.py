@@ -123,7 +123,8 @@ _PARTS = {
     for name, row in TABLE.items()
     for part in row.get("parts", "").split()
 }
-"""Words that tell a material at either end of a longer one, as languages join them: "Holztisch"."""
+"""Names of materials that count also as the beginning or the end of a longer word, as in the
+German compound "Holztisch"."""
 
 _ENDINGS = ("", "s", "es", "en", "y", "ic", "ed")
 

@@ -85,8 +85,8 @@ CLASSES = (HAPTIC_PT_gain,)
 
 
 def register() -> None:
-    """The panel is all there is."""
+    """There is nothing beside the class."""
 
 
 def unregister() -> None:
-    """The panel is all there was."""
+    """There is nothing beside the class."""

@@ -18,7 +18,7 @@ from written_scenes import read_scene
 
 
 def found() -> Any:
-    """The contacts of the current frame, in a trace of everything."""
+    """The contacts of the current frame, every pair of bodies queried."""
     scene = bpy.context.scene
     return session.trace(scene, bpy.context.evaluated_depsgraph_get()).contacts
 

@@ -32,7 +32,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """The sample's folder, with what npm installs."""
+    """A copy of the sample's folder in which npm has installed its packages."""
     folder = tmp_path_factory.mktemp("client") / "javascript"
     shutil.copytree(CLIENT, folder, ignore=shutil.ignore_patterns("node_modules"))
     subprocess.run(["npm", "ci"], cwd=folder, check=True, capture_output=True, timeout=300)

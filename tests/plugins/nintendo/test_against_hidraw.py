@@ -28,7 +28,7 @@ def test_playing_on_a_switch_pro_over_usb_and_bluetooth(scene):
     for fake, length, startup in ((SWITCH_PRO_USB, 64, 9), (SWITCH_PRO_BT, 49, 2)):
         answer = scene("play", "switch-pro", "160", "320", fakes=[fake])
         reports = split(answer["captured"], length)
-        # Nobody answers here, so that what wants an answer is said twice.
+        # The made-up pad never answers, so each command that expects an answer is sent twice.
         if fake is SWITCH_PRO_USB:
             assert [report[:4] for report in reports[:7]] == [
                 "8002",
