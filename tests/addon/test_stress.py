@@ -241,6 +241,7 @@ class Stress:
 
     def unseen(self):
         """Frames come and modifiers change while tracing is off."""
+        self.some_box()  # one is there: no step of undo is stored while tracing is off
         self.scene.haptics.tracing = False
         self.run()
         self.change_modifiers()
