@@ -1,20 +1,19 @@
 """Signed distances between convex cores, one pair at a time by FCL (GJK) where they are apart and
-by EPA where they overlap; of triangles in hulls by separating axes."""
+by EPA where they overlap."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, portions
+from ...arrays import FloatArray
 from ...frozen import frozen
 from ..hull import Hull, convex_hull
 from .closed_forms import Separation
 from .cores import Core, CoreTable, Kind, Size
-from .frames import SIDES, turned
-from .hull_triangles import depths_in_hull
+from .frames import SIDES
 from .penetration import Farthest, penetration, row_dots
 
 _POINT_RADIUS = 1e-9
@@ -33,10 +32,6 @@ _GROWTH = 1.5
 _SOME_PLANES = 64
 
 _MOST_TRIANGLES = 100_000
-
-_AT_ONCE = 1 << 14
-"""Faces of hulls under which triangles are placed at a time: few enough for the processor's
-cache."""
 
 _ALIKE = 1e-6
 """Metres of depth by which points differ that count as equally deep: those of a face whose
@@ -217,15 +212,7 @@ def separations(
     apart = distance > _TOUCHING
     normal = (nearest[:, 1] - nearest[:, 0]) / np.where(apart, distance, 1.0)[:, None]
     if depths:
-        unknown = ~apart
-        for hull, rows in _triangles_in_hulls(first, second, unknown):
-            corners = np.array([second[k].points.T for k in rows.tolist()]).transpose(1, 2, 0)
-            placed = turned(rotation[rows].transpose(1, 2, 0), corners) + offset[rows].T[:, None]
-            found, sure = depths_in_hull(hull, placed)
-            distance[rows], normal[rows] = found.distance, found.normal.T
-            nearest[rows] = np.stack([found.first.T, found.second.T], axis=1)
-            unknown[rows[sure]] = False
-        for k in unknown.nonzero()[0].tolist():
+        for k in (~apart).nonzero()[0].tolist():
             distance[k], normal[k], nearest[k] = _overlap(
                 first[k], second[k], rotation[k], offset[k]
             )
@@ -258,22 +245,6 @@ def separations(
                 first[k], second[k], rotation[k], offset[k], _GROWTH * distance[k]
             )
     return Separation(distance, normal.T.copy(), nearest[:, 0].T.copy(), nearest[:, 1].T.copy())
-
-
-def _triangles_in_hulls(
-    first: Sequence[Convex], second: Sequence[Convex], chosen: BoolArray
-) -> Iterator[tuple[Hull, IntArray]]:
-    """The ``chosen`` pairs (n,) of a hull and a triangle, grouped by hull: each hull, and numbers
-    of its pairs, a bounded number at a time."""
-    alike: dict[Hull, list[int]] = {}
-    for k in chosen.nonzero()[0].tolist():
-        hull = first[k].hull
-        if hull is not None and len(second[k].points) == 3:
-            alike.setdefault(hull, []).append(k)
-    for hull, numbers in alike.items():
-        rows = np.array(numbers)
-        for part in portions(len(hull.triangles) * np.arange(1, len(rows) + 1), _AT_ONCE):
-            yield hull, rows[part]
 
 
 def _supports(bodies: Sequence[Convex], directions: FloatArray) -> FloatArray:
