@@ -11,9 +11,9 @@ from dataclasses import fields
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray
+from ...arrays import BoolArray, FloatArray, chosen_of, joined
 from ...frozen import frozen
-from .frames import COLUMN, cross, dot, pick, turned, turned_back
+from .frames import COLUMN, cross, dot, following, pick, turned, turned_back
 
 _UP = np.array([[0.0], [0.0], [1.0]])
 
@@ -53,7 +53,7 @@ def point_to_box(
     facing = axis == COLUMN
     face = np.where(facing, side * half, local)
     within = Separation(-pick(room, axis), np.where(facing, -side, 0.0), local, face)
-    return _in_world(_merged(outside, within, inside), rotation, centre)
+    return _in_world(merged(outside, within, inside), rotation, centre)
 
 
 def _in_world(local: Separation, rotation: FloatArray, centre: FloatArray) -> Separation:
@@ -91,7 +91,7 @@ def point_to_cylinder(
     out = np.where(to_side <= to_end, direction, _UP * np.where(local[2] < 0, -1.0, 1.0))
     depth = np.minimum(to_side, to_end)
     return _in_world(
-        _merged(outside, Separation(-depth, -out, local, local + out * depth), inside),
+        merged(outside, Separation(-depth, -out, local, local + out * depth), inside),
         rotation,
         centre,
     )
@@ -124,7 +124,7 @@ def point_to_cone(
     )
     outside = between(local, nearest)
     return _in_world(
-        _merged(outside, Separation(-outside.distance, -outside.normal, local, nearest), inside),
+        merged(outside, Separation(-outside.distance, -outside.normal, local, nearest), inside),
         rotation,
         centre,
     )
@@ -259,36 +259,40 @@ def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray)
     """Segments and triangles (3, 3, n). A segment through the triangle is as deep as the shortest
     way out: back over the triangle's plane, or sideways over one of its edges (the faces of the
     prism that is their Minkowski difference)."""
-    a = corners[:, 0]
-    b = corners[:, 1]
-    c = corners[:, 2]
-    edges = [segment_to_segment(start, end, p, q) for p, q in ((a, b), (b, c), (c, a))]
-    best = between(start, nearest_on_triangle(start, corners))
-    for other in (between(end, nearest_on_triangle(end, corners)), *edges):
-        best = _merged(best, other, other.distance < best.distance - 1e-12)
-    normal = _perpendicular(cross(b - a, c - a), b - a)
-    h0 = dot(start - a, normal)
-    h1 = dot(end - a, normal)
+    number = np.arange(start.shape[1])
+    a, after = corners, following(corners)
+    ends = np.concatenate([start, end], axis=1)
+    by_ends = between(ends, nearest_on_triangle(ends, np.tile(corners, 2)))
+    by_edges = segment_to_segment(
+        *(np.tile(tip, 3) for tip in (start, end)), *(tip.reshape(3, -1) for tip in (a, after))
+    )
+    every = joined([by_ends, by_edges])
+    best = every.distance.reshape(5, -1).argmin(axis=0)
+    nearest = chosen_of(every, best * len(number) + number)
+    edge = after[:, 0] - a[:, 0]
+    normal = _perpendicular(cross(edge, a[:, 2] - a[:, 0]), edge)
+    h0 = dot(start - a[:, 0], normal)
+    h1 = dot(end - a[:, 0], normal)
     span = h0 - h1
     crossing = start + (end - start) * (h0 / np.where(np.abs(span) > 0, span, 1.0))
-    through = h0 * h1 < 0
-    for p, q in ((a, b), (b, c), (c, a)):
-        through &= dot(cross(q - p, crossing - p), normal) > 0
+    within = dot(cross(after - a, crossing[:, None] - a), normal[:, None]) > 0
+    through = (h0 * h1 < 0) & within.all(axis=0)
     if not through.any():
-        return best
+        return nearest
     shorter_start = np.abs(h0) < np.abs(h1)
     depth = np.minimum(np.abs(h0), np.abs(h1))
     deep = np.where(shorter_start, start, end)
     # The normal points from the segment to the triangle, from which the short part has come.
     inward = normal * np.sign(np.where(shorter_start, h0, h1))
     inside = Separation(-depth, inward, deep, deep - inward * depth)
-    for edge in edges:
-        sideways = Separation(-edge.distance, -edge.normal, edge.first, edge.second)
-        inside = _merged(inside, sideways, sideways.distance > inside.distance)
-    return _merged(best, inside, through)
+    side = by_edges.distance.reshape(3, -1).argmin(axis=0)
+    over = chosen_of(by_edges, side * len(number) + number)
+    sideways = Separation(-over.distance, -over.normal, over.first, over.second)
+    inside = merged(inside, sideways, over.distance < depth)
+    return merged(nearest, inside, through)
 
 
-def _merged(first: Separation, second: Separation, chosen: BoolArray) -> Separation:
+def merged(first: Separation, second: Separation, chosen: BoolArray) -> Separation:
     """``second`` in the pairs that are ``chosen`` (n,), ``first`` in the others."""
     return Separation(
         *(

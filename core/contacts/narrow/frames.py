@@ -18,7 +18,7 @@ COLUMN = np.arange(3)[:, None]
 SIDES = np.concatenate([np.eye(3), -np.eye(3)])
 """The normals (6, 3) of the faces of a box."""
 
-_CHUNK = 4096
+_CHUNK = 2048
 
 _MANY = 64
 """Number of pairs from which on terms are added in a loop: in `cumsum`, such rows take longer."""

@@ -4,15 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, replace_rows, taken
-from .closed_forms import (
-    Separation,
-    between,
-    nearest_on_triangle,
-    segment_to_segment,
-    segment_to_triangle,
-)
-from .frames import cross, dot, following, turned
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, joined, taken
+from .closed_forms import Separation, merged, segment_to_triangle
+from .frames import chunks, cross, dot, following, turned
 from .manifold import contact_plane
 
 _FACE_PREFERENCE = 1e-6
@@ -30,68 +24,24 @@ than the rounding of what is computed of both."""
 
 
 def triangle_to_triangle(first: FloatArray, second: FloatArray) -> Separation:
-    """Pairs of triangles (3, 3, n) by coordinate and corner: the nearest of edges and edges,
-    corners and faces. Of two that cross, the deepest way of an edge of either through the other."""
-    count = first.shape[2]
-    one = first[:, [0, 0, 0, 1, 1, 1, 2, 2, 2]]
-    other = second[:, [0, 1, 2] * 3]
-    after = first[:, [1, 1, 1, 2, 2, 2, 0, 0, 0]]
-    beyond = second[:, [1, 2, 0] * 3]
-    edges = segment_to_segment(*(ends.reshape(3, -1) for ends in (one, after, other, beyond)))
-    onto_second = nearest_on_triangle(first.reshape(3, -1), np.tile(second, 3))
-    onto_first = nearest_on_triangle(second.reshape(3, -1), np.tile(first, 3))
-    corners = [
-        between(first.reshape(3, -1), onto_second),
-        between(onto_first, second.reshape(3, -1)),
-    ]
-    distance, normal, start, end = (
-        np.concatenate([getattr(part, name) for part in (*corners, edges)], axis=-1)
-        for name in ("distance", "normal", "first", "second")
+    """Pairs of triangles (3, 3, n) by coordinate and corner: the nearest of the edges of either and
+    the other. Of two that cross, the deepest way of an edge through the other."""
+    return joined([_apart(first[..., part], second[..., part]) for part in chunks(first.shape[2])])
+
+
+def _apart(first: FloatArray, second: FloatArray) -> Separation:
+    number = np.arange(first.shape[2])
+    start, corners = (
+        np.concatenate([first, second], axis=2),
+        np.concatenate([second, first], axis=2),
     )
-    best = distance.reshape(15, count).argmin(axis=0) * count + np.arange(count)
-    found = Separation(distance[best], normal[:, best], start[:, best], end[:, best])
-    through = (_straddles(first, second) & _straddles(second, first)).nonzero()[0]
-    if len(through):
-        crossed = _crossed(first[..., through], second[..., through])
-        deep = crossed.distance <= found.distance[through]
-        replace_rows(found, through[deep], chosen_of(crossed, deep))
-    return found
-
-
-def _straddles(first: FloatArray, second: FloatArray) -> BoolArray:
-    """Which second triangles have corners on both sides of the planes of the first ones."""
-    normal = cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
-    height = dot(normal[:, None], second - first[:, :1])
-    return np.asarray((height.min(axis=0) <= 0) & (height.max(axis=0) >= 0))
-
-
-def _crossed(first: FloatArray, second: FloatArray) -> Separation:
-    """The deepest of the ways of the edges of triangles through the others."""
-    count = first.shape[2]
-    edges = [
-        (one, other, corner)
-        for one, other in ((first, second), (second, first))
-        for corner in range(3)
-    ]
-    start, end, corners = (
-        np.concatenate(parts, axis=-1)
-        for parts in zip(
-            *((one[:, k], one[:, (k + 1) % 3], other) for one, other, k in edges), strict=True
-        )
+    found = segment_to_triangle(
+        start.reshape(3, -1), following(start).reshape(3, -1), np.tile(corners, 3)
     )
-    found = segment_to_triangle(start, end, corners)
-    best = found.distance.reshape(6, count).argmin(axis=0)
-    of = best * count + np.arange(count)
-    flipped = best >= 3
-    normal = found.normal[:, of]
-    a = found.first[:, of]
-    b = found.second[:, of]
-    return Separation(
-        found.distance[of],
-        np.where(flipped, -normal, normal),
-        np.where(flipped, b, a),
-        np.where(flipped, a, b),
-    )
+    best = found.distance.reshape(6, -1).argmin(axis=0)
+    nearest = chosen_of(found, best * len(number) + number)
+    flipped = Separation(nearest.distance, -nearest.normal, nearest.second, nearest.first)
+    return merged(nearest, flipped, best % 2 == 1)
 
 
 def crossing_lines(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray]:
