@@ -2,7 +2,7 @@
 
 Arrays have the pairs along their last axis: points (3, n), rotations (3, 3, n), triangles (3, 3, n)
 by coordinate and corner. All is in world space and metres. Points, segments and triangles have no
-inside; a point in a box, cylinder or cone has a negative distance, down to its nearest face.
+inside; a point in a box has a negative distance, down to its nearest face.
 """
 
 from __future__ import annotations
@@ -62,74 +62,6 @@ def _in_world(local: Separation, rotation: FloatArray, centre: FloatArray) -> Se
     return Separation(local.distance, turned(rotation, local.normal), *ends)
 
 
-def _radial(local: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance from the local z axis and the unit direction away from it (x on the axis)."""
-    radius = np.hypot(local[0], local[1])
-    off = radius > 1e-12
-    divisor = np.where(off, radius, 1.0)
-    direction = np.stack(
-        [
-            np.where(off, local[0] / divisor, 1.0),
-            np.where(off, local[1] / divisor, 0.0),
-            np.zeros_like(radius),
-        ]
-    )
-    return radius, direction
-
-
-def point_to_cylinder(
-    point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray
-) -> Separation:
-    """Points and cylinders along local z; ``half`` (3, n) is (radius, radius, half height)."""
-    local = turned_back(rotation, point - centre)
-    radius, direction = _radial(local)
-    nearest = direction * np.minimum(radius, half[0]) + _UP * np.clip(local[2], -half[2], half[2])
-    outside = between(local, nearest)
-    to_side = half[0] - radius
-    to_end = half[2] - np.abs(local[2])
-    inside = (to_side > 0) & (to_end > 0)
-    out = np.where(to_side <= to_end, direction, _UP * np.where(local[2] < 0, -1.0, 1.0))
-    depth = np.minimum(to_side, to_end)
-    return _in_world(
-        merged(outside, Separation(-depth, -out, local, local + out * depth), inside),
-        rotation,
-        centre,
-    )
-
-
-def point_to_cone(
-    point: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray
-) -> Separation:
-    """Points and cones along local z, base at -half height; ``half`` (3, n) is (radius of the base,
-    the same, half height)."""
-    local = turned_back(rotation, point - centre)
-    radius, direction = _radial(local)
-    z = local[2]
-    base = half[0]
-    height = half[2]
-    # In the half plane (distance from the axis, z): the slant from the rim (base, -height) to the
-    # tip (0, height).
-    slant = np.hypot(base, 2 * height)
-    along = np.clip(((radius - base) * -base + (z + height) * 2 * height) / slant**2, 0.0, 1.0)
-    slant_radius = base * (1 - along)
-    slant_z = height * (2 * along - 1)
-    floor_radius = np.minimum(radius, base)
-    above_slant = ((radius - base) * 2 * height + (z + height) * base) / slant
-    to_floor = np.hypot(radius - floor_radius, z + height)
-    to_slant = np.hypot(radius - slant_radius, z - slant_z)
-    inside = (above_slant < 0) & (z > -height)
-    by_floor = to_floor < to_slant
-    nearest = direction * np.where(by_floor, floor_radius, slant_radius) + _UP * np.where(
-        by_floor, -height, slant_z
-    )
-    outside = between(local, nearest)
-    return _in_world(
-        merged(outside, Separation(-outside.distance, -outside.normal, local, nearest), inside),
-        rotation,
-        centre,
-    )
-
-
 def nearest_on_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
     """Point (3, n) of each segment nearest to each point."""
     way = end - start
@@ -178,50 +110,6 @@ def _perpendicular(vector: FloatArray, along: FloatArray) -> FloatArray:
     other = np.where(size > 0, other / np.where(size > 0, size, 1.0), _UP)
     good = length > 1e-9 * np.maximum(1e-300, dot(along, along))
     return np.where(good, vector / np.where(good, length, 1.0), other)
-
-
-def segment_to_box(
-    start: FloatArray, end: FloatArray, rotation: FloatArray, centre: FloatArray, half: FloatArray
-) -> Separation:
-    """Segments and boxes; a segment that passes through the box has distance 0.
-
-    The squared distance to a box is convex and piecewise quadratic along the segment, its pieces
-    ending where the segment crosses a plane of a face. Its derivative, piecewise linear, is
-    evaluated there and its zero found in between.
-
-    Args:
-        start: one end of each segment (3, n) [m].
-        end: the other end (3, n) [m].
-        rotation: of the boxes (3, 3, n).
-        centre: of the boxes (3, n) [m].
-        half: half extents of the boxes (3, n) [m].
-    """
-    a = turned_back(rotation, start - centre)
-    way = turned_back(rotation, end - centre) - a
-    moving = np.abs(way) > 1e-300
-    divisor = np.where(moving, way, 1.0)
-    crossings = np.concatenate(
-        [
-            np.where(moving, np.clip((side * half - a) / divisor, 0.0, 1.0), 0.0)
-            for side in (-1.0, 1.0)
-        ]
-    )
-    count = a.shape[1]
-    times = np.sort(np.concatenate([np.zeros((1, count)), crossings, np.ones((1, count))]), axis=0)
-    points = a[:, None] + way[:, None] * times
-    excess = points - np.clip(points, -half[:, None], half[:, None])
-    slope = dot(excess, way[:, None])
-    # The first piece at whose end the derivative is no longer negative holds the minimum.
-    late = np.argmax(slope >= 0, axis=0)
-    late = np.where((slope >= 0).any(axis=0), late, len(times) - 1)
-    early = np.maximum(late - 1, 0)
-    low = pick(slope, early)
-    high = pick(slope, late)
-    falling = high - low
-    share = np.where(falling > 0, -low / np.where(falling > 0, falling, 1.0), 1.0)
-    begin = pick(times, early)
-    first = a + way * (begin + np.clip(share, 0.0, 1.0) * (pick(times, late) - begin))
-    return _in_world(between(first, np.clip(first, -half, half)), rotation, centre)
 
 
 def nearest_on_triangle(point: FloatArray, corners: FloatArray) -> FloatArray:

@@ -8,16 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, joined, replace_rows, taken
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, joined, taken
 from .box_axes import best_axes
 from .closed_forms import (
     Separation,
     between,
     point_to_box,
-    point_to_cone,
-    point_to_cylinder,
     point_to_triangle,
-    segment_to_box,
     segment_to_segment,
     segment_to_triangle,
 )
@@ -45,24 +42,11 @@ def _ends(
     return centre - along, centre + along
 
 
-def _segment_and_box(segment: _Placed, box: _Placed) -> Separation:
-    """Exact where they are apart; a segment through a box is a box without width and height."""
-    separation = segment_to_box(*_ends(*segment), *box)
-    through = np.flatnonzero(separation.distance < 1e-9)
-    if len(through):
-        deep = box_to_box(*(side[..., through] for side in (*segment, *box)))
-        replace_rows(separation, through, deep)
-    return separation
-
-
 _CLOSED_FORMS: dict[tuple[int, int], Callable[[_Placed, _Placed], Separation]] = {
     (Kind.POINT, Kind.POINT): lambda a, b: between(a.centre, b.centre),
     (Kind.POINT, Kind.SEGMENT): lambda a, b: segment_to_segment(a.centre, a.centre, *_ends(*b)),
     (Kind.POINT, Kind.BOX): lambda a, b: point_to_box(a.centre, *b),
-    (Kind.POINT, Kind.CYLINDER): lambda a, b: point_to_cylinder(a.centre, *b),
-    (Kind.POINT, Kind.CONE): lambda a, b: point_to_cone(a.centre, *b),
     (Kind.SEGMENT, Kind.SEGMENT): lambda a, b: segment_to_segment(*_ends(*a), *_ends(*b)),
-    (Kind.SEGMENT, Kind.BOX): _segment_and_box,
 }
 """The function for each pair of kinds whose distance has a closed form."""
 
