@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 import bpy
-from bpy.types import Collection, Context, Depsgraph, Object, Scene
+from bpy.types import Collection, Context, Object, Scene
 
 from ...core.scene.coefficients import transfer_coefficient
 from ...core.scene.materials import MATERIALS, Material, guess, preset_named
@@ -54,16 +54,11 @@ def preset_in(scene: Scene, material: Material) -> HapticMaterial:
     )
 
 
-def apply(
-    objects: Sequence[Object], item: HapticMaterial, depsgraph: Depsgraph | None = None
-) -> None:
+def apply(objects: Sequence[Object], item: HapticMaterial, sizes: Sizes | None = None) -> None:
     """Assign a material to objects: they take its values, now and when it changes; physical ones
-    also the damping of a preset, by the sizes in a ``depsgraph`` that was evaluated before: after
-    each change the next evaluation would trace the scene."""
+    also the damping of a preset, by their ``sizes``."""
     physical = [obj for obj in objects if obj.haptics.function in ("physical", "resilient")]
-    # Callers may assign to one object after the other: evaluate the scene only where it is needed.
-    if physical and depsgraph is None:
-        depsgraph = bpy.context.evaluated_depsgraph_get()
+    sizes = sizes or Sizes(physical)  # before a property changes
     values = values_of(item)
     name = item.name
     for obj in progress(objects):
@@ -77,7 +72,7 @@ def apply(
             ):
                 obj.haptics.wave = "bounded"  # or the next material would stay a half-space
             obj.haptics.material.name = name
-    make_physical(physical, depsgraph=depsgraph)
+    make_physical(physical, sizes=sizes)
 
 
 def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None:
@@ -89,15 +84,14 @@ def make_haptic(scene: Scene, made_of: Mapping[Object, Material | None]) -> None
         obj: material or (None if obj.haptics.material.name else _PLASTIC)
         for obj, material in made_of.items()
     }
-    depsgraph = bpy.context.evaluated_depsgraph_get()
+    sizes = Sizes(made_of)
     new = [obj for obj in made_of if not obj.haptics.is_property_set("function")]
     for obj in new:
         obj.haptics.function = "physical" if is_physical else "haptic_tracing"
     for obj in made_of:
         obj.haptics.enabled = True
-    _apply_presets(scene, made_of, depsgraph)
+    _apply_presets(scene, made_of, sizes)
     if is_physical:
-        sizes = Sizes(depsgraph)
         for obj in new:
             _damp(obj, preset_of(obj), sizes)
 
@@ -120,15 +114,14 @@ def preset_of(obj: Object) -> Material | None:
 
 
 def make_physical(
-    objects: Iterable[Object], in_a_building: bool = False, depsgraph: Depsgraph | None = None
+    objects: Iterable[Object], in_a_building: bool = False, sizes: Sizes | None = None
 ) -> int:
-    """Give objects made of a preset the measured physical function, by their sizes in ``depsgraph``
-    or as they are now; half-spaces stay such. Returns their number."""
+    """Give objects made of a preset the measured physical function, by their ``sizes``, by default
+    as they are now; half-spaces stay such. Returns their number."""
     presets = {obj: material for obj in objects if (material := preset_of(obj)) is not None}
-    if presets:
-        sizes = Sizes(depsgraph or bpy.context.evaluated_depsgraph_get())
-        for obj, material in presets.items():
-            _damp(obj, material, sizes, in_a_building)
+    sizes = sizes or Sizes(presets)
+    for obj, material in presets.items():
+        _damp(obj, material, sizes, in_a_building)
     return len(presets)
 
 
@@ -171,7 +164,7 @@ def set_bodies(objects: Iterable[Object], body: str) -> int:
     """Let those of ``objects`` that are made of flesh damp as measured, or be felt all over.
     Returns their number."""
     bodies = [obj for obj in objects if preset_of(obj) is _FLESH]
-    sizes = Sizes(bpy.context.evaluated_depsgraph_get())
+    sizes = Sizes(bodies)
     for obj in bodies:
         _damp(obj, _FLESH, sizes)
         if body == "FELT_ALL_OVER":
@@ -281,15 +274,13 @@ def _holds_robot(collection: Collection) -> bool:
 def apply_guesses(scene: Scene, objects: Sequence[Object]) -> int:
     """Assign the guessed materials to objects. Returns how many could be guessed."""
     known = guesses(objects)
-    _apply_presets(scene, known, bpy.context.evaluated_depsgraph_get())
+    _apply_presets(scene, known, Sizes(objects))
     return sum(material is not None for material in known.values())
 
 
-def _apply_presets(
-    scene: Scene, made_of: Mapping[Object, Material | None], depsgraph: Depsgraph
-) -> None:
+def _apply_presets(scene: Scene, made_of: Mapping[Object, Material | None], sizes: Sizes) -> None:
     """Assign presets to objects, those of one preset at once."""
     for material in dict.fromkeys(made_of.values()):
         if material is not None:
             objects = [obj for obj, own in made_of.items() if own is material]
-            apply(objects, preset_in(scene, material), depsgraph)
+            apply(objects, preset_in(scene, material), sizes)

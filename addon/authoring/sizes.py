@@ -3,8 +3,11 @@ body."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+import bpy
 import numpy as np
-from bpy.types import Depsgraph, Mesh, Object
+from bpy.types import Mesh, Object
 
 from ...core.arrays import FloatArray
 from ...core.contacts.body_sizes import Size, walled
@@ -13,16 +16,22 @@ from ..blender.units import metres_per_unit
 
 
 class Sizes:
-    """The sizes of bodies in an evaluation; those of bodies that share a mesh are found once."""
+    """The sizes that ``objects`` have now; those of bodies that share a mesh are found once.
 
-    def __init__(self, depsgraph: Depsgraph) -> None:
-        self._depsgraph = depsgraph
-        self._metres = metres_per_unit(depsgraph.scene)
+    The scene is evaluated where one of them needs it: that takes long if a script tags one object
+    after the other, and traces the scene if a property has changed since.
+    """
+
+    def __init__(self, objects: Iterable[Object]) -> None:
+        self._depsgraph = None
+        if not all(map(_is_as_modelled, objects)):
+            self._depsgraph = bpy.context.evaluated_depsgraph_get()
+        self._metres = metres_per_unit(bpy.context.scene)
         self._known: dict[tuple[float, ...], Size] = {}
 
     def of(self, obj: Object) -> Size:
         """The size of a body, see `walled`."""
-        evaluated = obj.evaluated_get(self._depsgraph)
+        evaluated = obj if self._depsgraph is None else obj.evaluated_get(self._depsgraph)
         scale = _scale(obj) * self._metres
         mesh = evaluated.data
         if not isinstance(mesh, Mesh) or len(mesh.polygons) == 0:
@@ -32,6 +41,16 @@ class Sizes:
         if key not in self._known:
             self._known[key] = _size_of_mesh(mesh, scale)
         return self._known[key]
+
+
+def _is_as_modelled(obj: Object) -> bool:
+    """Whether an object has the size of its own mesh, which no evaluation changes."""
+    mesh = obj.data
+    return (
+        isinstance(mesh, Mesh)
+        and not (mesh.is_editmode or mesh.shape_keys or obj.modifiers or obj.parent)
+        and len(mesh.polygons) > 0
+    )
 
 
 def _scale(obj: Object) -> FloatArray:

@@ -20,7 +20,7 @@ def sizes(scene):
 
     def of_active():
         active = bpy.context.view_layer.objects.active
-        return Sizes(bpy.context.evaluated_depsgraph_get()).of(active).edges
+        return Sizes([active]).of(active).edges
 
     return of_active
 
@@ -54,7 +54,7 @@ def test_bodies_that_share_a_mesh_have_each_the_sizes_of_their_scale(add_box):
     for box in boxes[1:]:
         bpy.context.collection.objects.link(box)
     bpy.context.view_layer.update()
-    sizes = Sizes(bpy.context.evaluated_depsgraph_get())
+    sizes = Sizes(boxes)
     for box, scale in zip(boxes, scales, strict=True):
         assert sizes.of(box).edges == pytest.approx(sorted(map(abs, scale), reverse=True), rel=1e-5)
         assert sizes.of(box).volume == pytest.approx(abs(math.prod(scale)), rel=1e-5)
@@ -68,10 +68,40 @@ def test_volumes_are_those_of_the_meshes(scene):
     ball = bpy.context.object
     bpy.ops.mesh.primitive_plane_add(size=1)
     sheet = bpy.context.object
-    sizes = Sizes(bpy.context.evaluated_depsgraph_get())
+    sizes = Sizes([cylinder, ball, sheet])
     assert sizes.of(cylinder).volume == pytest.approx(math.pi * 0.2**2 * 3, rel=0.01)
     assert sizes.of(ball).volume == pytest.approx(math.pi / 6, rel=0.01)
     assert sizes.of(sheet).volume == pytest.approx(0.01, rel=0.01)
+
+
+def test_a_script_that_tags_many_objects_evaluates_nothing(add_box):
+    """Each evaluation takes as long as the scene is large."""
+    boxes = [add_box(f"box {k}", (2 * k, 0, 0), (1, 1, 0.01), haptic=False) for k in range(5)]
+    counted = []
+    count = bpy.app.handlers.depsgraph_update_post
+    count.append(lambda *_: counted.append(1))
+    for number, box in enumerate(boxes, 1):
+        box.scale.z *= number
+        box.haptics.enabled = True
+    count.pop()
+    assert not counted
+    held = [box.haptics.plate_thickness for box in boxes]
+    assert held == pytest.approx([0.01, 0.02, 0.03, 0.04, 0.05], rel=1e-5)
+
+
+def test_sizes_follow_what_a_script_has_just_changed(add_box):
+    """A shape key, a modifier and a parent's scale, before any evaluation."""
+    keyed, arrayed, child, parent = (
+        add_box(name, (0, 0, 0), (1, 1, 1)) for name in ("keyed", "arrayed", "child", "parent")
+    )
+    keyed.shape_key_add(name="basis")
+    for point in keyed.shape_key_add(name="tall").data:
+        point.co.z *= 3
+    keyed.data.shape_keys.key_blocks["tall"].value = 1.0
+    arrayed.modifiers.new("row", "ARRAY").count = 2
+    child.parent, parent.scale = parent, (1, 1, 5)
+    sizes = Sizes([keyed, arrayed, child])
+    assert [max(sizes.of(obj).edges) for obj in (keyed, arrayed, child)] == pytest.approx([3, 2, 5])
 
 
 def test_a_ball_that_is_made_haptic_weighs_what_it_should(scene):
