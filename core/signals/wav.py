@@ -93,6 +93,8 @@ class WavFile:
             if form[26:40] != _REST_OF_GUID:
                 raise ValueError("WAV encoding of another vendor: use PCM or float")
             tag = int.from_bytes(form[24:26], "little")
+        if tag not in (_PCM, _FLOAT):
+            raise ValueError(f"compressed WAV file (encoding {tag}): save it as PCM or float")
         if channels == 0 or frame_size % channels:
             raise ValueError(f"broken WAV file: {channels} channels of {frame_size} bytes")
         if not LOWEST_RATE <= rate <= HIGHEST_RATE:
@@ -129,4 +131,4 @@ def _numbers(tag: int, width: int, raw: NDArray[np.uint8]) -> FloatArray:
         return wide.view("<i4")[..., 0] / 2.0**31
     if tag == _FLOAT and width in (4, 8):
         return np.asarray(raw.view(f"<f{width}")[..., 0], dtype=np.float64)
-    raise ValueError(f"WAV encoding {tag} with {8 * width} bits is not supported: use PCM or float")
+    raise ValueError(f"WAV samples of {8 * width} bits are not supported: use PCM or float")

@@ -127,11 +127,15 @@ def test_a_recording_that_was_cut_off_is_read_as_far_as_it_goes() -> None:
         ),
         (
             riff((b"fmt ", struct.pack("<HHIIHH", 85, 1, 8000, 0, 1, 8)), (b"data", b"\0\0")),
-            "encoding 85",
+            "compressed WAV file .encoding 85.: save it as PCM or float",
+        ),
+        (  # ADPCM, whose blocks need not be multiples of the channels
+            riff((b"fmt ", struct.pack("<HHIIHH", 2, 2, 8000, 0, 257, 4)), (b"data", bytes(257))),
+            "compressed WAV file .encoding 2.",
         ),
         (
             riff((b"fmt ", struct.pack("<HHIIHH", 3, 1, 8000, 0, 2, 16)), (b"data", b"\0\0")),
-            "16 bits is not supported",
+            "of 16 bits are not supported",
         ),
         (
             riff((b"fmt ", EXTENSIBLE), (b"data", np.array([np.nan, 1], dtype="<f4").tobytes())),
