@@ -34,6 +34,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 
@@ -104,18 +105,17 @@ def shortest_paths(
         backwards: paths lead from the nodes to the roots, which matters where a contact's two
             directions differ.
         limit: largest cost of a path.
-        known: those of an earlier graph, which are returned if their paths to the targets are
-            surely the shortest still.
+        known: those of an earlier graph, which are returned, or mended, if their paths to the
+            targets are then surely the shortest.
     """
-    asked = roots, bands, targets, backwards, limit
+    search = _Search(graph, roots, bands, targets, backwards, limit)
     if (
         known is not None
         and 4 * known.examined > max(BATCH, known.entry.size)  # else a search is as fast
-        and known.search.ends_stay(graph)
-        and _Search(graph, *asked).agrees(known.search)
+        and search.is_like(known.search)
+        and (found := copy(search).mended(known)) is not None
     ):
-        return known
-    search = _Search(graph, *asked)
+        return found
     row, node = search.roots
     pending = row, node, np.zeros(len(node))
     connections = int((search.size - 1).sum())
@@ -194,7 +194,8 @@ class _Search:
             self.sought += (np.arange(rows) * self.count).repeat(size)
             self.first_sought = size.cumsum() - size
         self.is_vast = bool((np.abs(graph.node_position) > 1e150).any())
-        self.examined = self.due = 0
+        self.examined = 0
+        self.due = 0.0
 
     def distances(self, begin: IntArray, other: IntArray) -> FloatArray:
         """`HapticGraph.node_distances`, but 0 below 1e-154 m, whose square is 0."""
@@ -399,52 +400,79 @@ class _Search:
             self.arrival.reshape(shape), self.entry.reshape(shape), self.cut, self.examined, self
         )
 
-    def ends_stay(self, graph: HapticGraph) -> bool:
-        """Whether roots and targets lie where they did, and the same bodies touch, in a later
-        graph."""
-        old, ends = self.graph, np.append(self.roots[1], self.sought % self.count)
-        return graph.partner is old.partner and np.array_equal(
-            graph.node_position[ends], old.node_position[ends]
+    def is_like(self, old: _Search) -> bool:
+        """Whether an earlier search was asked the same, with the same bodies touching, and its
+        roots lay where they do."""
+        graph, roots = self.graph, self.roots[1]
+        return (
+            graph.partner is old.graph.partner
+            and not graph.table.special
+            and self.asked == old.asked
+            and np.array_equal(graph.node_position[roots], old.graph.node_position[roots])
         )
 
-    def agrees(self, known: _Search) -> bool:
-        """Whether this search would surely find the paths to the targets that a search in an
-        earlier graph did, whose `ends_stay`."""
-        graph, rows = self.graph, len(self.limits)
-        if graph.table.special or self.asked != known.asked:
-            return False
+    def mended(self, known: ShortestPaths) -> ShortestPaths | None:
+        """The trees of an earlier search that `is_like` this one, if their paths to the targets are
+        surely those that this one would find. Where it lost targets, what it lost is found anew.
+        None where that is not sure."""
+        graph, old, rows = self.graph, known.search, len(self.limits)
         over = np.where(graph.partner >= 0, graph.partner, np.arange(self.count))
-        lost = self._lost(known, over)
+        lost = self._lost(old, over)
         row, node = lost.nonzero()
-        # Many take as long as a search.
-        if lost.reshape(-1)[self.sought].any() or self.size[node].sum() > lost.size:
-            return False
+        if self.size[node].sum() > lost.size:  # as long as a search
+            return None
         # What is not lost costs what it did. What costs more than all targets is of no interest.
-        self.limits = known.limits.copy()
+        self.limits, self.cut, self.due = old.limits, old.cut.copy(), math.inf
         most = self.limits[:, None]
-        arrival = known.arrival.reshape(rows, -1)
+        arrival = old.arrival.reshape(rows, -1)
         entering = (arrival + self.crossing.reshape(-1, self.count)[self.lane]).take(over, axis=1)
         entering[(entering > most) | lost] = math.inf
         entering[self.roots] = 0.0
         self.entering = entering.reshape(-1)
         size, other = self.others(node)
-        cost = self.costs(self.lane[row], node, size, other) + entering[row.repeat(size), other]
-        nearest = np.full(len(node), math.inf)
-        np.minimum.at(nearest, np.arange(len(node)).repeat(size), cost)
+        cost = self.costs(self.lane[row], node, size, other)
+        place = (row * self.count).repeat(size) + other
+        number = np.arange(len(node)).repeat(size)
+
+        def nearest() -> FloatArray:
+            least = np.full(len(node), math.inf)
+            np.minimum.at(least, number, cost + self.entering[place])
+            return least
+
+        least = nearest()
         arrival = np.minimum(arrival, most)
-        arrival[row, node] = np.minimum(nearest, self.limits[row])
+        arrival[row, node] = np.minimum(least, self.limits[row])
         self.arrival = (arrival + SLACK * (1 + arrival)).reshape(-1)
-        pending = self.across(row, node, nearest)
+        pending = self.across(row, node, least)
         while len(pending[0]):
             now, later = self.cheapest(*pending)
             onwards = [later]
             for part in now:
-                row, node, cost = self.inside(*part)
-                if not lost[row, node].all():
-                    return False
-                onwards.append(self.across(row, node, cost))
+                better, end, far = self.inside(*part)
+                if not lost[better, end].all():
+                    return None
+                onwards.append(self.across(better, end, far))
             pending = _merged(onwards)
-        return True
+        lost = lost.reshape(-1)
+        if not lost[self.sought].any():
+            return known
+        least = nearest()
+        least[least > self.limits[row]] = math.nan
+        near = cost + self.entering[place] <= (least + SLACK * (1 + least)).repeat(size)
+        found = number[near]
+        self.arrival, self.entry = old.arrival.copy(), old.entry.copy()
+        place = row * self.count + node
+        self.arrival[place], self.entry[place] = least, -1
+        self.entry[place[found]] = other[near]
+        gone = (lost & (self.entry < 0))[self.sought]
+        # Of several ways that cost the same a search chooses one; it goes on beyond these limits.
+        if (
+            not np.diff(found).all()
+            or (self.limits[self.sought[gone] // self.count] < self.limit).any()
+        ):
+            return None
+        self.examined = known.examined
+        return self.result()
 
     def _lost(self, known: _Search, over: IntArray) -> BoolArray:
         """Nodes (r, n) whose costs an earlier search does not tell: their contacts have changed, or

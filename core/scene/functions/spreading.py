@@ -78,7 +78,7 @@ class Spreading:
             (one, half), (other, other_half) = ends
             run = np.minimum(distance + (one + other) / 2, self._laws[4].take(index))
             run = np.maximum(np.maximum(one, other), run)
-            return np.asarray(np.maximum(self._unbounded(index, run) - half - other_half, 0.0))
+            return np.asarray(np.maximum(self._unbounded(index, run) - (half + other_half), 0.0))
         if self._one_stage:
             exponent, reference, extent = self._laws[:3].take(index, axis=1)
             return np.asarray(exponent * np.log1p(np.minimum(distance, extent) / reference))

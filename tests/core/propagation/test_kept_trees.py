@@ -4,6 +4,7 @@ alone."""
 from __future__ import annotations
 
 import dataclasses
+import math
 from itertools import product
 
 import numpy as np
@@ -24,9 +25,9 @@ from haptic_tracing.core.scene.values import Contact, HapticObject, Listener, Se
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-SIDE = 6
+SIDE = 8
 COUNT = SIDE * SIDE
-MOVERS = (0, 1, 2, 6, 7, 9, 10, 16)
+MOVERS = (0, 9, 10, 15, 20, 45, 46, 60)
 """Bodies that move; the others stand still."""
 FUNCTIONS = {
     "plain": (HapticTracing(), Exponential(alpha=0.4)),
@@ -72,6 +73,7 @@ class Heap:
             ],
             self.table.index(),
         )
+        self.sources = 2 if seed % 2 else 10  # trees grow from these or from the listeners
         self.loud = True
 
     def move(self, bodies: list[int], far: float) -> None:
@@ -93,10 +95,12 @@ class Heap:
         contacts = dataclasses.replace(self.contacts, positions=positions)
         ends = [(f"box {k:02d}", tuple(self.spots[k].tolist())) for k in range(0, COUNT, 5)]
         sources = tuple(
-            Source(f"s{k}", *ends[k], amplitude=float(self.loud or k > 0)) for k in range(2)
+            Source(f"s{k}", *ends[k], amplitude=float(self.loud or k > 0))
+            for k in range(self.sources)
         )
         listeners = tuple(
-            Listener(f"l{k}", *ends[k], radius=0.05 * (k % 2)) for k in range(2, len(ends))
+            Listener(f"l{k}", *ends[k], radius=0.05 * (k % 2))
+            for k in range(self.sources, len(ends))
         )
         return build_graph(self.table, contacts, sources, listeners, before=before)
 
@@ -111,7 +115,7 @@ def test_kept_trees_hold_the_best_paths(kind, regular):
         st.integers(0, 10**6),
         st.lists(
             st.tuples(
-                st.lists(st.sampled_from(MOVERS), max_size=3, unique=True),
+                st.lists(st.sampled_from(MOVERS), max_size=2, unique=True),
                 st.sampled_from([0.0, 0.001, 0.1, 3.0]),
                 st.sampled_from([True, True, True, False]),
             ),
@@ -137,6 +141,56 @@ def test_kept_trees_hold_the_best_paths(kind, regular):
         patch.setattr(shortest_paths, "SPARSE", 0)
         patch.setattr(shortest_paths, "BATCH", 20)
         check()
+
+
+@pytest.mark.parametrize("moving", [3, 5, 8], ids=["end", "way", "neither"])
+def test_only_what_is_lost_is_found_anew(moving):
+    """Posts of 1 m stand in a row, the k-th k m from the source, with a listener on each, but on the
+    fifth a table of 1 m with one. What moves alone takes no search."""
+    posts = [f"post {k}" for k in range(1, 21)]
+    table = ObjectTable.of(
+        [HapticObject(name, 0, 1, Exponential(alpha=0.1)) for name in ("ground", "table", *posts)],
+        0.1,
+    )
+
+    def graph(shift: float, before: HapticGraph | None = None) -> HapticGraph:
+        foot = [(k + shift * (k == moving), 0.0, 0.0) for k in range(1, 21)]
+        top = [(x, 0.0, 2.0 if k == 5 else 1.0) for k, (x, _, _) in enumerate(foot, 1)]
+        below = (foot[4][0], 0.0, 1.0)
+        joined = [
+            Contact(("post 5", "table"), (below, below), Identity()),
+            *(
+                Contact(("ground", name), (spot, spot), Identity())
+                for name, spot in zip(posts, foot, strict=True)
+            ),
+        ]
+        held = [name.replace("post 5", "table") for name in posts]
+        return build_graph(
+            table,
+            ContactSet.from_contacts(joined, table.index()),
+            [Source("s", "ground", (0.0, 0.0, 0.0))],
+            [
+                Listener(f"on {on}", on, spot, radius=0.0)
+                for on, spot in zip(held, top, strict=True)
+            ],
+            before=before,
+        )
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shortest_paths, "BATCH", 1)
+        known, kept = graph(0.0), {}
+        propagate(known, Settings(), kept=kept)
+        patch.setattr(shortest_paths, "TINY", math.inf)
+        patch.setattr(shortest_paths._Search, "one_by_one", None)  # any search would call it
+        for shift in (0.2, -0.3, -0.3, 0.5, 0.0):
+            known = graph(shift, known)
+            found = propagate(known, Settings(), kept=kept)
+            far = {
+                f"on {'table' if k == 5 else f'post {k}'}": k + shift * (k == moving) + 1 + (k == 5)
+                for k in range(1, 21)
+            }
+            cost = [0.1 * far[name] for name in known.listeners]
+            assert found.gain[0] == pytest.approx(np.exp(-np.array(cost)), rel=1e-12)
 
 
 @pytest.mark.parametrize("heights", [(4.0, 3.0, 0.5, 0.25, 2.0), (4.0, 1.0, 4.0, 0.5, 1.0, 3.0)])
