@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from enum import IntEnum
-from itertools import permutations
 
 import numpy as np
 
@@ -31,6 +30,9 @@ from ..shapes import (
     parts_of,
     places_of,
 )
+
+_SQUARE = 1e-6
+"""Tolerance, relative to its size, with which a hull counts as a box."""
 
 
 class Kind(IntEnum):
@@ -172,7 +174,7 @@ def _hull(part: Primitive, points: FloatArray, rounding: float) -> Core:
     inner = shrunk_hull(sharp, rounding)
     if inner is None:
         inner, rounding = sharp, 0.0
-    box = _as_box(sharp.points) if len(sharp.points) == 8 else None
+    box = _as_box(sharp) if len(sharp.points) == 8 else None
     if box is not None:
         matrix, half = box
         return _box(part.matrix @ matrix, part.radius, half, rounding, sharp_to_boxes=False)
@@ -201,47 +203,24 @@ def _basis(z: FloatArray) -> FloatArray:
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def _as_box(corners: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-    """Matrix and half extents of the box whose eight corners these are, or None."""
-    centre = corners.mean(axis=0)
-    offsets = corners - centre
-    size = float(np.linalg.norm(offsets[0]))
-    spread = np.linalg.norm(offsets, axis=1)
-    if np.ptp(spread) > 1e-6 * size:
+def _as_box(hull: Hull) -> tuple[FloatArray, FloatArray] | None:
+    """Matrix and half extents of the box whose eight corners these are, or None. Its axes are those
+    nearest to x and y, and their cross product."""
+    normals, _ = hull.planes()
+    x = normals[normals[:, 0].argmax()]
+    beside = normals[np.abs(normals @ x) < _SQUARE]
+    if len(beside) == 0:
         return None
-    edges = corners - corners[0]
-    order = np.argsort(np.linalg.norm(edges, axis=1), kind="stable")
-    # The three nearest corners need not lie along edges: find three directions that are
-    # perpendicular.
-    for first in order[1:4].tolist():
-        for second in order[2:].tolist():
-            for third in order[3:].tolist():
-                axes = edges[[first, second, third]]
-                lengths = np.linalg.norm(axes, axis=1)
-                unit = axes / lengths[:, None]
-                if np.abs(unit @ unit.T - np.eye(3)).max() > 1e-6:
-                    continue
-                unit, lengths = _upright(unit, lengths)
-                local = np.abs(offsets @ unit.T)
-                if np.abs(local - lengths / 2).max() > 1e-6 * size:
-                    return None
-                matrix = np.eye(4)
-                matrix[:3, :3] = unit.T
-                matrix[:3, 3] = centre
-                return matrix, lengths / 2
-    return None
-
-
-def _upright(unit: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Three axes (rows) in the order and senses that are nearest to x, y, z and right-handed, with
-    their lengths."""
-    order = max(permutations(range(3)), key=lambda o: sum(abs(unit[o[k], k]) for k in range(3)))
-    unit = unit[list(order)]
-    lengths = lengths[list(order)]
-    unit = unit * np.where(np.diag(unit) < 0, -1.0, 1.0)[:, None]
-    if np.linalg.det(unit) < 0:
-        unit[2] = -unit[2]
-    return unit, lengths
+    y = beside[beside[:, 1].argmax()]
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.stack([x, y, np.cross(x, y)], axis=1)
+    local = hull.points @ matrix[:3, :3]
+    centre = local.mean(axis=0)
+    half = np.abs(local - centre).mean(axis=0)
+    if np.abs(np.abs(local - centre) - half).max() > _SQUARE * half.max():
+        return None
+    matrix[:3, 3] = matrix[:3, :3] @ centre
+    return matrix, half
 
 
 @frozen
