@@ -62,15 +62,6 @@ def _in_world(local: Separation, rotation: FloatArray, centre: FloatArray) -> Se
     return Separation(local.distance, turned(rotation, local.normal), *ends)
 
 
-def nearest_on_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
-    """Point (3, n) of each segment nearest to each point."""
-    way = end - start
-    squared = dot(way, way)
-    return start + way * np.clip(
-        dot(point - start, way) / np.where(squared > 0, squared, 1.0), 0.0, 1.0
-    )
-
-
 def segment_to_segment(
     a0: FloatArray, a1: FloatArray, b0: FloatArray, b1: FloatArray
 ) -> Separation:
@@ -114,26 +105,18 @@ def _perpendicular(vector: FloatArray, along: FloatArray) -> FloatArray:
 
 def nearest_on_triangle(point: FloatArray, corners: FloatArray) -> FloatArray:
     """Point (3, n) of each triangle (3, 3, n) nearest to each point."""
-    a = corners[:, 0]
-    b = corners[:, 1]
-    c = corners[:, 2]
-    normal = cross(b - a, c - a)
+    way = following(corners) - corners
+    arm = point[:, None] - corners
+    squared = dot(way, way)
+    share = np.clip(dot(arm, way) / np.where(squared > 0, squared, 1.0), 0.0, 1.0)
+    on_edges = corners + way * share
+    away = on_edges - point[:, None]
+    nearest = dot(away, away).argmin(axis=0)
+    normal = cross(way[:, 0], way[:, 1])
     squared = dot(normal, normal)
-    solid = squared > 0
-    foot = point - normal * (dot(point - a, normal) / np.where(solid, squared, 1.0))
-    inside = solid.copy()
-    for start, end in ((a, b), (b, c), (c, a)):
-        inside &= dot(cross(end - start, foot - start), normal) >= 0
-    best = foot
-    least = np.where(inside, 0.0, np.inf)
-    for start, end in ((a, b), (b, c), (c, a)):
-        candidate = nearest_on_segment(point, start, end)
-        away = candidate - point
-        distance = np.where(inside, np.inf, dot(away, away))
-        closer = distance < least
-        best = np.where(closer, candidate, best)
-        least = np.where(closer, distance, least)
-    return best
+    inside = (squared > 0) & (dot(cross(way, arm), normal[:, None]) >= 0).all(axis=0)
+    foot = point - normal * (dot(arm[:, 0], normal) / np.where(squared > 0, squared, 1.0))
+    return np.where(inside, foot, on_edges[:, nearest, np.arange(len(nearest))])
 
 
 def point_to_triangle(point: FloatArray, corners: FloatArray) -> Separation:

@@ -18,16 +18,14 @@ COLUMN = np.arange(3)[:, None]
 SIDES = np.concatenate([np.eye(3), -np.eye(3)])
 """The normals (6, 3) of the faces of a box."""
 
-_CHUNK = 2048
-
 _MANY = 64
 """Number of pairs from which on terms are added in a loop: in `cumsum`, such rows take longer."""
 
 
-def chunks(count: int) -> list[IntArray]:
-    """The numbers of ``count`` pairs in parts, at least one, each so small that what is computed of
-    it stays in the processor's cache."""
-    return [np.arange(at, min(at + _CHUNK, count)) for at in range(0, max(count, 1), _CHUNK)]
+def chunks(count: int, size: int = 4096) -> list[IntArray]:
+    """The numbers of ``count`` pairs in parts, at least one, each of a ``size`` so small that what
+    is computed of it stays in the processor's cache."""
+    return [np.arange(at, min(at + size, count)) for at in range(0, max(count, 1), size)]
 
 
 def dot(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -14,6 +14,9 @@ _FACE_PREFERENCE = 1e-6
 the faces' normal."""
 
 
+_AT_ONCE = 512
+"""Pairs of triangles whose edges are compared at a time: few enough for the processor's cache."""
+
 _AXES = 11
 """Axes along which the penetration of two faces that face each other may be least: both normals,
 and the cross products of their edges."""
@@ -26,7 +29,9 @@ than the rounding of what is computed of both."""
 def triangle_to_triangle(first: FloatArray, second: FloatArray) -> Separation:
     """Pairs of triangles (3, 3, n) by coordinate and corner: the nearest of the edges of either and
     the other. Of two that cross, the deepest way of an edge through the other."""
-    return joined([_apart(first[..., part], second[..., part]) for part in chunks(first.shape[2])])
+    return joined(
+        [_apart(first[..., part], second[..., part]) for part in chunks(first.shape[2], 512)]
+    )
 
 
 def _apart(first: FloatArray, second: FloatArray) -> Separation:
