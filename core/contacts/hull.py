@@ -2,30 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 
 from ..arrays import FloatArray, IntArray
 from ..frozen import frozen
+from .polytope import Polytope
 
 MAX_HULL_POINTS = 2048
 """Most points a hull is computed from exactly; more are first reduced to the extreme ones in as
 many directions."""
-
-Point = tuple[float, float, float]
-
-
-def triangle_normal(a: Point, b: Point, c: Point) -> Point:
-    """The normal (b - a) × (c - a) of a triangle, as long as twice its area."""
-    ux = b[0] - a[0]
-    uy = b[1] - a[1]
-    uz = b[2] - a[2]
-    vx = c[0] - a[0]
-    vy = c[1] - a[1]
-    vz = c[2] - a[2]
-    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
 
 
 @frozen(eq=False)
@@ -194,29 +181,6 @@ def hull_2d(points: FloatArray) -> IntArray:
     return np.array(chain(order) + chain(order[::-1]), dtype=np.int64)
 
 
-_NONE = np.zeros(0, dtype=np.int64)
-
-
-@dataclass(slots=True)
-class _HullFace:
-    """A triangle of a growing hull.
-
-    Attributes:
-        corners: numbers of its points, counter-clockwise seen from outside.
-        normal, offset: its plane is where ``normal @ x == offset``; the normal is outward.
-        outside: numbers of the points that are outside this face and assigned to it.
-        neighbours: the faces beyond its edges.
-        alive: whether it still is a face of the hull.
-    """
-
-    corners: tuple[int, int, int]
-    normal: Point
-    offset: float
-    outside: IntArray
-    neighbours: dict[tuple[int, int], _HullFace] = field(default_factory=dict)
-    alive: bool = True
-
-
 class _Quickhull:
     """Quickhull (Barber, Dobkin, Huhdanpaa 1996): the farthest point outside a face replaces all
     the faces it sees.
@@ -232,105 +196,53 @@ class _Quickhull:
         self, points: FloatArray, simplex: list[int], level: float, tolerance: float
     ) -> None:
         self._points = points
-        self._coordinates = points.tolist()
-        self._level = level
         self._enough = max(level, tolerance)
+        self._polytope = Polytope(points.tolist(), level)
+        self._outside: dict[int, IntArray] = {}  # of faces: the points assigned to each
         a, b, c, d = simplex
         if (
             np.dot(np.cross(points[b] - points[a], points[c] - points[a]), points[d] - points[a])
             > 0
         ):
             b, c = c, b
-        faces = [self._face(*corners) for corners in ((a, b, c), (a, d, b), (b, d, c), (c, d, a))]
-        self._link(faces)
-        self._share_out(np.setdiff1d(np.arange(len(points)), simplex), faces)
-        self._faces = faces
-        waiting = [face for face in faces if len(face.outside)]
+        corners = (a, b, c), (a, d, b), (b, d, c), (c, d, a)
+        waiting = [self._polytope.add_face(*face) for face in corners]
+        self._share_out(np.setdiff1d(np.arange(len(points)), simplex), waiting)
         while waiting:
             face = waiting.pop()
-            if face.alive and len(face.outside):
-                waiting.extend(f for f in self._add_point(face) if len(f.outside))
+            own = self._outside.pop(face, None)
+            if own is None:
+                continue
+            replaced, created = self._polytope.add_corner(int(own[-1]), face)
+            others = [self._outside.pop(each) for each in replaced if each in self._outside]
+            self._share_out(np.concatenate([own[:-1], *others]), created)
+            waiting += created
 
     def hull(self) -> Hull:
-        triangles = np.array([face.corners for face in self._faces if face.alive], dtype=np.int64)
-        used, flat = np.unique(triangles, return_inverse=True)
+        corners = [corners for corners, _, _ in self._polytope.faces.values()]
+        used, flat = np.unique(np.array(corners, dtype=np.int64), return_inverse=True)
         return Hull(self._points[used], flat.reshape(-1, 3).astype(np.int64))
 
-    def _face(self, a: int, b: int, c: int) -> _HullFace:
-        corner = ax, ay, az = self._coordinates[a]
-        nx, ny, nz = triangle_normal(corner, self._coordinates[b], self._coordinates[c])
-        length = (nx * nx + ny * ny + nz * nz) ** 0.5
-        if length > 0:
-            nx = nx / length
-            ny = ny / length
-            nz = nz / length
-        return _HullFace((a, b, c), (nx, ny, nz), nx * ax + ny * ay + nz * az, _NONE)
-
-    @staticmethod
-    def _link(faces: list[_HullFace]) -> None:
-        edges: dict[tuple[int, int], _HullFace] = {}
-        for face in faces:
-            a, b, c = face.corners
-            edges[a, b] = edges[b, c] = edges[c, a] = face
-        for (a, b), face in edges.items():
-            other = edges.get((b, a))
-            if other is not None:
-                face.neighbours[(a, b)] = other
-
-    def _share_out(self, indices: IntArray, faces: list[_HullFace]) -> None:
-        """Assign every point outside some face to the face it is farthest from."""
-        heights = self._points.take(indices, axis=0) @ np.array([f.normal for f in faces]).T
-        heights -= [f.offset for f in faces]
+    def _share_out(self, indices: IntArray, numbers: list[int]) -> None:
+        """Assign every point outside some face to the face it is farthest from, the farthest of
+        each last."""
+        if not len(indices):
+            return
+        _, normals, offsets = zip(*(self._polytope.faces[face] for face in numbers), strict=True)
+        heights = self._points.take(indices, axis=0) @ np.array(normals).T
+        heights -= offsets
         top = heights.max(axis=1)
         outside = (top > self._enough).nonzero()[0]
         if not len(outside):
             return
         best = heights.argmax(axis=1)
         order = outside[np.lexsort((top[outside], best[outside]))]
-        counts = np.bincount(best[order], minlength=len(faces)).tolist()
+        counts = np.bincount(best[order], minlength=len(numbers)).tolist()
         end = 0
-        for face, count in zip(faces, counts, strict=True):
+        for face, count in zip(numbers, counts, strict=True):
             if count:
                 end += count
-                face.outside = indices[order[end - count : end]]
-
-    def _add_point(self, start: _HullFace) -> list[_HullFace]:
-        apex = int(start.outside[-1])
-        x, y, z = self._coordinates[apex]
-        visible = [start]
-        start.alive = False
-        horizon: list[tuple[tuple[int, int], _HullFace]] = []
-        for face in visible:
-            for edge, other in face.neighbours.items():
-                if not other.alive:
-                    continue
-                nx, ny, nz = other.normal
-                if nx * x + ny * y + nz * z - other.offset > self._level:
-                    other.alive = False
-                    visible.append(other)
-                else:
-                    horizon.append((edge, other))
-        created = []
-        # The new face beside each edge from, and to, the apex, by the other end.
-        begins: dict[int, _HullFace] = {}
-        ends: dict[int, _HullFace] = {}
-        for (a, b), other in horizon:
-            if not other.alive:
-                continue
-            face = begins[a] = ends[b] = self._face(a, b, apex)
-            face.neighbours[a, b] = other
-            other.neighbours[b, a] = face
-            created.append(face)
-        for face in created:
-            a, b, _ = face.corners
-            face.neighbours[b, apex] = begins[b]
-            face.neighbours[apex, a] = ends[a]
-        orphans = [start.outside[:-1], *(face.outside for face in visible[1:])]
-        orphans = [some for some in orphans if len(some)]
-        if orphans:
-            self._share_out(np.concatenate(orphans), created)
-        self._faces.extend(created)
-        return created
+                self._outside[face] = indices[order[end - count : end]]
 
 
 def shrunk_hull(hull: Hull, depth: float) -> Hull | None:

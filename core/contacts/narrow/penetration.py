@@ -17,7 +17,7 @@ import numpy as np
 
 from ...arrays import FloatArray
 from ...frozen import frozen
-from ..hull import Point, triangle_normal
+from ..polytope import Point, Polytope
 from .frames import SIDES
 
 _TOLERANCE = 1e-9
@@ -90,7 +90,7 @@ _Supports = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 the first body that they come from."""
 
 
-def _simplex(supports: _Supports) -> _Polytope | Penetration:
+def _simplex(supports: _Supports) -> _Expanding | Penetration:
     """A tetrahedron of boundary points, or the penetration of a flat difference."""
     points, sources = supports(SIDES)
     a = points[0]
@@ -118,7 +118,7 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     if abs(height[k]) <= _FLAT:
         depth = float(min(points[0] @ normal, -(points[1] @ normal)))
         return Penetration(depth, normal, (source_a + source_b + source_c) / 3)
-    polytope = _Polytope(
+    polytope = _Expanding(
         [tuple(p.tolist()) for p in (a, b, c, points[k])],
         [source_a, source_b, source_c, sources[k]],
     )
@@ -128,12 +128,12 @@ def _simplex(supports: _Supports) -> _Polytope | Penetration:
     return polytope
 
 
-def _expanded(polytope: _Polytope, supports: _Supports) -> Penetration:
+def _expanded(polytope: _Expanding, supports: _Supports) -> Penetration:
     """Expand the polytope until its nearest face lies on the boundary."""
     least, nearest, found = math.inf, None, 0
     for step in range(_MOST_STEPS):
-        number, offset = polytope.nearest()
-        face = _, (nx, ny, nz), _ = polytope.faces[number]
+        number = polytope.nearest()
+        face = _, (nx, ny, nz), offset = polytope.faces[number]
         place, source = supports(np.array((nx, ny, nz)))
         x, y, z = point = tuple(place.tolist())
         height = nx * x + ny * y + nz * z
@@ -180,75 +180,34 @@ def _deepest(
     return np.asarray(areas / areas.sum() @ sources if areas.sum() > 0 else sources.mean(axis=0))
 
 
-_Corners = tuple[int, int, int]
-_Face = tuple[_Corners, Point, float]
-"""Numbers of the corners, outward unit normal, and height of the plane along it."""
-
-
-class _Polytope:
-    """A convex polytope of triangles with outward normals that grows point by point. ``sources``: a
-    point of the first body per corner."""
+class _Expanding(Polytope):
+    """A polytope that grows where it is nearest to the origin. ``sources``: a point of the first
+    body per corner."""
 
     def __init__(self, points: list[Point], sources: list[FloatArray]) -> None:
-        self._points = points
+        super().__init__(points, 1e-3 * _TOLERANCE)
         self._sources = sources
-        self.faces: dict[int, _Face] = {}
-        self._face_at: dict[tuple[int, int], int] = {}  # the face to the left of an edge
         self._by_offset: list[tuple[float, int]] = []
-        self._made = 0
 
-    def add_face(self, i: int, j: int, k: int) -> None:
-        corner = ax, ay, az = self._points[i]
-        x, y, z = triangle_normal(corner, self._points[j], self._points[k])
-        length = math.sqrt(x * x + y * y + z * z)
-        number, offset = self._made, math.inf  # a sliver has no normal and is never the nearest
-        self._made = number + 1
-        if length > 1e-18:
-            x = x / length
-            y = y / length
-            z = z / length
-            offset = x * ax + y * ay + z * az
-            heapq.heappush(self._by_offset, (offset, number))
-        self.faces[number] = (i, j, k), (x, y, z), offset
-        self._face_at[i, j] = self._face_at[j, k] = self._face_at[k, i] = number
+    def add_face(self, i: int, j: int, k: int) -> int:
+        number = super().add_face(i, j, k)
+        heapq.heappush(self._by_offset, (self.faces[number][2], number))
+        return number
 
-    def nearest(self) -> tuple[int, float]:
-        """Number and offset of the face nearest the origin."""
+    def nearest(self) -> int:
+        """Number of the face nearest the origin."""
         while self._by_offset[0][1] not in self.faces:
             heapq.heappop(self._by_offset)
-        offset, number = self._by_offset[0]
-        return number, offset
+        return self._by_offset[0][1]
 
     def add_point(self, point: Point, source: FloatArray, start: int) -> None:
-        """Replace the faces that the new corner sees, ``start`` among them."""
-        apex = len(self._points)
-        self._points.append(point)
+        """Add a corner that sees the face ``start``."""
+        self.points.append(point)
         self._sources.append(source)
-        x, y, z = point
-        faces = self.faces
-        visible = [start]
-        seen = {start}
-        border: list[tuple[int, int, int]] = []
-        for number in visible:
-            (i, j, k), _, _ = faces[number]
-            for a, b in ((i, j), (j, k), (k, i)):
-                other = self._face_at[b, a]
-                if other in seen:
-                    continue
-                _, (nx, ny, nz), offset = faces[other]
-                if offset == math.inf or nx * x + ny * y + nz * z - offset > 1e-3 * _TOLERANCE:
-                    seen.add(other)
-                    visible.append(other)
-                else:
-                    border.append((a, b, other))
-        for number in visible:
-            del faces[number]
-        for a, b, other in border:
-            if other not in seen:
-                self.add_face(a, b, apex)
+        self.add_corner(len(self.points) - 1, start)
 
-    def triangle(self, corners: _Corners) -> tuple[FloatArray, FloatArray]:
+    def triangle(self, corners: tuple[int, int, int]) -> tuple[FloatArray, FloatArray]:
         """Corners (3, 3) of a face and the points (3, 3) of the first body that they come from."""
-        return np.array([self._points[k] for k in corners]), np.array(
+        return np.array([self.points[k] for k in corners]), np.array(
             [self._sources[k] for k in corners]
         )
