@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -24,14 +23,6 @@ _NEAR = 1e-3
 
 _Polygons = tuple[FloatArray, BoolArray, BoolArray]
 """What `polygons` returns."""
-
-_TOGETHER = 64
-"""Number of pairs up to which polygons of few corners count as those of many: one call takes less
-time than several."""
-
-_ALIKE = 8
-"""Number of pairs up to which both polygons count as those of many where either does, so that one
-call is enough for both."""
 
 
 class CorePatches:
@@ -63,24 +54,8 @@ class CorePatches:
         (first, many_a, wide_a), (second, many_b, wide_b) = self._polygons(rows, normal)
         first -= middle[:, None]
         second -= middle[:, None]
-        if count <= _TOGETHER:
-            most_a, most_b = (MANY if many.any() else FEW for many in (many_a, many_b))
-            if count <= _ALIKE:
-                most_a = most_b = max(most_a, most_b)
-            result = patches(first[:, :most_a], second[:, :most_b], normal)
-        else:
-            parts = []
-            for corners_a, corners_b in ((FEW, FEW), (MANY, FEW), (FEW, MANY), (MANY, MANY)):
-                alike = np.flatnonzero(
-                    (many_a == (corners_a == MANY)) & (many_b == (corners_b == MANY))
-                )
-                if len(alike):
-                    features = (
-                        taken(first[:, :corners_a], alike),
-                        taken(second[:, :corners_b], alike),
-                    )
-                    parts.append((alike, patches(*features, taken(normal, alike))))
-            result = _merged(count, parts)
+        most_a, most_b = (MANY if many.any() else FEW for many in (many_a, many_b))
+        result = patches(first[:, :most_a], second[:, :most_b], normal)
         drawn = np.where(rows.triangle_a is None, self._table.kind[rows.first], Kind.MESH)
         kind = np.maximum(drawn, self._table.kind[rows.second])
         missing = _DRAWN_ROUGHLY[kind] & _misses_nearest_points(result)
@@ -147,18 +122,3 @@ def _misses_nearest_points(patch: Patches) -> BoolArray:
     low = np.where(patch.used, patch.corners, np.inf).min(axis=1)
     high = np.where(patch.used, patch.corners, -np.inf).max(axis=1)
     return np.asarray(patch.found & ((low > _NEAR) | (high < -_NEAR)).any(axis=0))
-
-
-def _merged(count: int, parts: list[tuple[IntArray, Patches]]) -> Patches:
-    """Results for parts of ``count`` rows put together, shorter rows of corners filled up."""
-    if len(parts) == 1:
-        return parts[0][1]
-    merged = []
-    for field in fields(Patches):
-        values = [getattr(part, field.name) for _, part in parts]
-        whole = np.zeros((*max(value.shape[:-1] for value in values), count), dtype=values[0].dtype)
-        for (rows, _), value in zip(parts, values, strict=True):
-            part: tuple[Any, ...] = (*(slice(size) for size in value.shape[:-1]), rows)
-            whole[part] = value
-        merged.append(whole)
-    return Patches(*merged)
