@@ -15,7 +15,7 @@ from .core_distances import CoreDistances, exact
 from .core_pairs import BEYOND, CorePairing, CorePairs, bounded
 from .core_patches import CorePatches
 from .cores import CoreTable, Kind
-from .frames import upwards
+from .frames import chunks, upwards
 from .hollow_hulls import HollowHulls
 from .known_patches import KnownPatches
 from .separating_axes import AxisSeparation
@@ -269,10 +269,7 @@ class NarrowPhase:
                 rows = chosen_of(rows, ~self._surfaces.inside(rows, limit, distance, found))
                 rows = self._surfaces.near(rows, limit) if len(rows) else rows
                 if len(rows):
-                    least = self._surfaces.least_distances(rows)
-                    chosen, separated = self._distances.from_triangles(rows, least)
-                    rows = chosen_of(rows, chosen)
-                    self._finish(rows, separated, limit, distance, found, corners)
+                    self._on_triangles(rows, limit, distance, found, corners)
             elif self._distances.in_closed_form(rows):
                 closed.append((rows, self._distances.separated(rows)))
             else:
@@ -291,6 +288,21 @@ class NarrowPhase:
                     several = some_of(rows, alike), some_of(separated, alike)
                     self._finish(*several, limit, distance, found, corners)
         return reduced(np.where(np.isinf(distance), limit + BEYOND, distance), found, corners)
+
+    def _on_triangles(
+        self,
+        rows: CorePairs,
+        limit: FloatArray,
+        distance: FloatArray,
+        found: list[CoreContacts],
+        corners: bool,
+    ) -> None:
+        """`_finish` for convex cores of one kind on triangles (n,)."""
+        for part in chunks(len(rows)):
+            some = chosen_of(rows, part)
+            least = self._surfaces.least_distances(some)
+            chosen, separated = self._distances.from_triangles(some, least)
+            self._finish(chosen_of(some, chosen), separated, limit, distance, found, corners)
 
     def _within(self, rows: CorePairs, limit: FloatArray, distance: FloatArray) -> CorePairs:
         """The rows whose bounding boxes are within ``limit`` (p,) of each other; lower bounds on

@@ -18,7 +18,7 @@ import numpy as np
 from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, joined
 from ...frozen import frozen
 from .body_patches import CoreContacts, core_contacts, reduced
-from .closed_forms import nearest_on_triangle
+from .closed_forms import Separation, nearest_on_triangle
 from .convex import ConvexDistances
 from .core_pairs import CorePairing, CorePairs, by_piece
 from .core_patches import CorePatches
@@ -434,26 +434,29 @@ class SurfacePairs:
             found: contacts so far, which is added to.
             corners: whether the outlines of the patches are wanted.
         """
-        first, second = self._corners(rows)
-        separation = triangle_to_triangle(first, second)
-        # Where they touch, the outer sides of the two are towards each other.
-        outwards = dot(separation.normal, unit_normals(first) - unit_normals(second))
-        turns = (separation.distance <= _TOUCHING) & (outwards < 0)
-        separation = replace(
-            separation, normal=np.where(turns, -separation.normal, separation.normal)
-        )
+        parts = chunks(len(rows))
+        separation = joined([self._separation(chosen_of(rows, part)) for part in parts])
         gap = separation.distance - rows.radius_a - rows.radius_b - sunk
         deepest = np.full(len(limit), np.inf)
         np.minimum.at(deepest, rows.owner, gap)
         np.minimum.at(distance, rows.owner, np.maximum(gap, limit[rows.owner]))
         most = np.minimum(limit, deepest + WITHIN)
         near = (gap <= most[rows.owner]).nonzero()[0]
-        if len(near):
-            rows = chosen_of(rows, near)
-            separation = chosen_of(separation, near)
-            patch = self._patches.patches(rows, separation)
-            normal = np.where(sunk[near] > 0, -separation.normal, separation.normal)
-            found.append(core_contacts(rows, normal, gap[near], patch, corners))
+        for part in chunks(len(near)) if len(near) else ():
+            few = near[part]
+            some, apart = chosen_of(rows, few), chosen_of(separation, few)
+            patch = self._patches.patches(some, apart)
+            normal = np.where(sunk[few] > 0, -apart.normal, apart.normal)
+            found.append(core_contacts(some, normal, gap[few], patch, corners))
+
+    def _separation(self, rows: CorePairs) -> Separation:
+        """Separations of pairs of triangles, whose outer sides are towards each other where they
+        touch."""
+        first, second = self._corners(rows)
+        found = triangle_to_triangle(first, second)
+        outwards = dot(found.normal, unit_normals(first) - unit_normals(second))
+        turns = (found.distance <= _TOUCHING) & (outwards < 0)
+        return replace(found, normal=np.where(turns, -found.normal, found.normal))
 
     def _passed_through(
         self,
