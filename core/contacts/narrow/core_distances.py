@@ -70,9 +70,6 @@ class CoreDistances:
     def separated(self, rows: CorePairs, depths: bool = True) -> AxisSeparation:
         """Separations of the cores of one group. Without ``depths``, the distance of cores that
         overlap may be 0."""
-        if len(rows) == 0:
-            empty = np.zeros((3, 0))
-            return exact(Separation(np.zeros(0), empty, empty, empty))
         half, (first, second) = self._table.half[Size.USUAL], self._kinds(rows)
         if first == second == Kind.BOX:
             sharp = self._sharp(rows)

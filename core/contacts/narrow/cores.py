@@ -30,6 +30,7 @@ from ..shapes import (
     parts_of,
     places_of,
 )
+from .manifold import contact_plane
 
 _SQUARE = 1e-6
 """Tolerance, relative to its size, with which a hull counts as a box."""
@@ -191,16 +192,10 @@ def _between(part: Primitive, ends: FloatArray) -> Core:
     along = ends[1] - ends[0]
     length = float(np.linalg.norm(along))
     local = np.eye(4)
-    local[:3, :3] = _basis(along / length)
+    axis = along[:, None] / length
+    local[:3, :3] = np.concatenate([*contact_plane(axis), axis], axis=1)
     local[:3, 3] = ends.mean(axis=0)
     return _simple(Kind.SEGMENT, replace(part, matrix=part.matrix @ local), (0, 0, length / 2))
-
-
-def _basis(z: FloatArray) -> FloatArray:
-    """A rotation whose third column is the unit vector ``z``."""
-    x = np.cross(z, [1.0, 0.0, 0.0] if abs(z[0]) < 0.7 else [0.0, 1.0, 0.0])
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(z, x), z], axis=1)
 
 
 def _as_box(hull: Hull) -> tuple[FloatArray, FloatArray] | None:

@@ -28,7 +28,6 @@ class HollowHulls:
         self._shapes = shapes
         self._table = table
         self._bodies = bodies
-        self._faces: dict[int, tuple[FloatArray, FloatArray]] = {}
         self._depth = np.array(
             [
                 np.inf if not isinstance(s, ConvexHull) or s.sunk_in is None else s.sunk_in
@@ -79,13 +78,10 @@ class HollowHulls:
 
     def _planes(self, body: int) -> tuple[FloatArray, FloatArray]:
         """Outward unit normals (f, 3) and offsets (f,) of the faces of such a hull."""
-        made = self._faces.get(body)
-        if made is None:
-            shape = self._shapes[body]
-            assert isinstance(shape, ConvexHull)
-            normals, offsets = convex_hull(shape.points).planes()
-            made = self._faces[body] = normals, offsets + shape.margin
-        return made
+        shape = self._shapes[body]
+        assert isinstance(shape, ConvexHull)
+        normals, offsets = convex_hull(shape.points).planes()
+        return normals, offsets + shape.margin
 
     def _cores(self, body: int) -> range:
         return range(int(self._table.start[body]), int(self._table.start[body + 1]))
