@@ -421,12 +421,11 @@ class _Search:
         row, node = lost.nonzero()
         if self.size[node].sum() > lost.size:  # as long as a search
             return None
-        # What is not lost costs what it did. What costs more than all targets is of no interest.
+        # What is not lost costs what it did.
         self.limits, self.cut, self.due = old.limits, old.cut.copy(), math.inf
-        most = self.limits[:, None]
-        arrival = old.arrival.reshape(rows, -1)
+        arrival = old.arrival.reshape(rows, -1).copy()
         entering = (arrival + self.crossing.reshape(-1, self.count)[self.lane]).take(over, axis=1)
-        entering[(entering > most) | lost] = math.inf
+        entering[lost] = math.inf
         entering[self.roots] = 0.0
         self.entering = entering.reshape(-1)
         size, other = self.others(node)
@@ -440,8 +439,7 @@ class _Search:
             return least
 
         least = nearest()
-        arrival = np.minimum(arrival, most)
-        arrival[row, node] = np.minimum(least, self.limits[row])
+        arrival[row, node] = least
         self.arrival = (arrival + SLACK * (1 + arrival)).reshape(-1)
         pending = self.across(row, node, least)
         while len(pending[0]):

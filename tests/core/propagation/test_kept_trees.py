@@ -143,7 +143,7 @@ def test_kept_trees_hold_the_best_paths(kind, regular):
         check()
 
 
-@pytest.mark.parametrize("moving", [3, 5, 8], ids=["end", "way", "neither"])
+@pytest.mark.parametrize("moving", [3, 5, 8, 20], ids=["end", "way", "neither", "far"])
 def test_only_what_is_lost_is_found_anew(moving):
     """Posts of 1 m stand in a row, the k-th k m from the source, with a listener on each, but on the
     fifth a table of 1 m with one. What moves alone takes no search."""
@@ -182,7 +182,7 @@ def test_only_what_is_lost_is_found_anew(moving):
         propagate(known, Settings(), kept=kept)
         patch.setattr(shortest_paths, "TINY", math.inf)
         patch.setattr(shortest_paths._Search, "one_by_one", None)  # any search would call it
-        for shift in (0.2, -0.3, -0.3, 0.5, 0.0):
+        for shift in (-0.2, 0.0, -0.3, -0.3, -0.1, 0.0):
             known = graph(shift, known)
             found = propagate(known, Settings(), kept=kept)
             far = {
@@ -193,39 +193,53 @@ def test_only_what_is_lost_is_found_anew(moving):
             assert found.gain[0] == pytest.approx(np.exp(-np.array(cost)), rel=1e-12)
 
 
-@pytest.mark.parametrize("heights", [(4.0, 3.0, 0.5, 0.25, 2.0), (4.0, 1.0, 4.0, 0.5, 1.0, 3.0)])
-def test_a_bridge_that_comes_near_is_taken(heights):
-    """From one bank of a river to the other a ford costs 4 m, and a bridge at some height twice the
-    height and 2 m; where both cost the same, the way is that of a search in the new graph alone."""
-    names = ["here", "there", "ford", "bridge", *(f"stone {k}" for k in range(20))]
+@pytest.mark.parametrize("bridge", ["arch", "tower"])
+@pytest.mark.parametrize(
+    "frames",
+    [
+        [(4.0, 0, 0), (3.0, 0, 0), (0.5, 0, 0), (0.25, 0, 0), (2.0, 0, 0)],
+        [(4.0, 0, 0), (1.0, 0, 0), (4.0, 0, 0), (0.5, 0, 0), (1.0, 0, 0), (3.0, 0, 0)],
+        [(0.5, 0, 0), (0.5, 3, 0), (0.5, 0, 0)],
+        [(0.9, 0, 0), (0.9, 0, 2), (0.9, 0, 1)],
+    ],
+    ids=["height", "equal", "loss", "radius"],
+)
+def test_a_bridge_that_comes_near_is_taken(frames, bridge):
+    """From one bank of a river to the other a ford, in two parts, costs 4 m, and a bridge at some
+    height, with a loss, twice the height and 2 m; less near the listener, within its radius. Where
+    both cost the same, the way is that of a search in the new graph alone."""
+    names = ["here", "there", "ford", "shoal", bridge, *(f"stone {k}" for k in range(20))]
     table = ObjectTable.of(
         [HapticObject(name, 0, 1, Exponential(alpha=1.0)) for name in names], 0.1
     )
-    index = table.index()
 
-    def graph(height: float, before: HapticGraph | None = None) -> HapticGraph:
+    def graph(
+        height: float, loss: float, radius: float, before: HapticGraph | None = None
+    ) -> HapticGraph:
         left, right = (0.0, 0.0, height), (2.0, 0.0, height)
         joined = [
             Contact(("here", "ford"), ((0, 0, 0), (0, 2, 0)), Identity()),
-            Contact(("ford", "there"), ((2, 2, 0), (2, 2, 0)), Identity()),
-            Contact(("here", "bridge"), (left, left), Identity()),
-            Contact(("bridge", "there"), (right, right), Identity()),
-            *(Contact(("ford", name), ((9, 9, 9),) * 2, Identity()) for name in names[4:]),
+            Contact(("ford", "shoal"), ((1, 2, 0), (1, 2, 0)), Identity()),
+            Contact(("shoal", "there"), ((2, 2, 0), (2, 2, 0)), Identity()),
+            Contact(("here", bridge), (left, left), Identity(), weight=math.exp(-loss)),
+            Contact((bridge, "there"), (right, right), Identity()),
+            *(Contact(("ford", name), ((9, 9, 9),) * 2, Identity()) for name in names[5:]),
         ]
         return build_graph(
             table,
-            ContactSet.from_contacts(joined, index),
+            ContactSet.from_contacts(joined, table.index()),
             [Source("s", "here", (0.0, 0.0, 0.0))],
-            [Listener("l", "there", (2.0, 0.0, 0.0), radius=0.0)],
+            [Listener("l", "there", (2.0, 0.0, 0.0), radius=radius)],
             before=before,
         )
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(shortest_paths, "BATCH", 1)
         known, kept = None, {}
-        for height in heights:
-            known = graph(height, known)
+        for height, loss, radius in frames:
+            known = graph(height, loss, radius, known)
             found = propagate(known, Settings(), kept=kept)
-            assert found.gain.item() == pytest.approx(np.exp(-min(4, 2 * height + 2)), rel=1e-12)
-            expected = propagate(graph(height), Settings())
+            over = height + 2 + max(height - radius, 0) + loss
+            assert found.gain.item() == pytest.approx(np.exp(-min(4 - radius, over)), rel=1e-12)
+            expected = propagate(graph(height, loss, radius), Settings())
             assert dict(found.best_path) == dict(expected.best_path)
