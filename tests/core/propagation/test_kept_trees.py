@@ -143,10 +143,10 @@ def test_kept_trees_hold_the_best_paths(kind, regular):
         check()
 
 
-@pytest.mark.parametrize("moving", [3, 5, 8, 20], ids=["end", "way", "neither", "far"])
+@pytest.mark.parametrize("moving", [3, 5, 8, 20], ids=["end", "way", "neither", "hand"])
 def test_only_what_is_lost_is_found_anew(moving):
-    """Posts of 1 m stand in a row, the k-th k m from the source, with a listener on each, but on the
-    fifth a table of 1 m with one. What moves alone takes no search."""
+    """Posts of 1 m stand in a row, the k-th k m from the source, with two hands on each, but on the
+    fifth a table of 1 m with two. A post, or the hands on the last, that move alone take no search."""
     posts = [f"post {k}" for k in range(1, 21)]
     table = ObjectTable.of(
         [HapticObject(name, 0, 1, Exponential(alpha=0.1)) for name in ("ground", "table", *posts)],
@@ -154,8 +154,9 @@ def test_only_what_is_lost_is_found_anew(moving):
     )
 
     def graph(shift: float, before: HapticGraph | None = None) -> HapticGraph:
-        foot = [(k + shift * (k == moving), 0.0, 0.0) for k in range(1, 21)]
+        foot = [(k + shift * (k == moving < 20), 0.0, 0.0) for k in range(1, 21)]
         top = [(x, 0.0, 2.0 if k == 5 else 1.0) for k, (x, _, _) in enumerate(foot, 1)]
+        top[19] = (20.0, 0.0, 1.0 + shift * (moving == 20))
         below = (foot[4][0], 0.0, 1.0)
         joined = [
             Contact(("post 5", "table"), (below, below), Identity()),
@@ -170,8 +171,9 @@ def test_only_what_is_lost_is_found_anew(moving):
             ContactSet.from_contacts(joined, table.index()),
             [Source("s", "ground", (0.0, 0.0, 0.0))],
             [
-                Listener(f"on {on}", on, spot, radius=0.0)
+                Listener(f"{hand} on {on}", on, spot, radius=0.0)
                 for on, spot in zip(held, top, strict=True)
+                for hand in ("left", "right")
             ],
             before=before,
         )
@@ -189,7 +191,7 @@ def test_only_what_is_lost_is_found_anew(moving):
                 f"on {'table' if k == 5 else f'post {k}'}": k + shift * (k == moving) + 1 + (k == 5)
                 for k in range(1, 21)
             }
-            cost = [0.1 * far[name] for name in known.listeners]
+            cost = [0.1 * far[name.split(" ", 1)[1]] for name in known.listeners]
             assert found.gain[0] == pytest.approx(np.exp(-np.array(cost)), rel=1e-12)
 
 
@@ -199,10 +201,11 @@ def test_only_what_is_lost_is_found_anew(moving):
     [
         [(4.0, 0, 0), (3.0, 0, 0), (0.5, 0, 0), (0.25, 0, 0), (2.0, 0, 0)],
         [(4.0, 0, 0), (1.0, 0, 0), (4.0, 0, 0), (0.5, 0, 0), (1.0, 0, 0), (3.0, 0, 0)],
+        [(0.25, 0, 0), (2.0, 0, 0), (0.25, 0, 0)],
         [(0.5, 0, 0), (0.5, 3, 0), (0.5, 0, 0)],
         [(0.9, 0, 0), (0.9, 0, 2), (0.9, 0, 1)],
     ],
-    ids=["height", "equal", "loss", "radius"],
+    ids=["height", "equal", "farther", "loss", "radius"],
 )
 def test_a_bridge_that_comes_near_is_taken(frames, bridge):
     """From one bank of a river to the other a ford, in two parts, costs 4 m, and a bridge at some
