@@ -1,5 +1,6 @@
 """What a step costs where little changes: boxes in rows that touch their neighbours and the ground,
-of which none, one or all move a little; and best paths between many sources and listeners.
+of which none, one beside the best paths, one under a hand ("one, held") or all move a little; and
+best paths between many sources and listeners.
 
     python -m benchmarks.bench_little_changes
 
@@ -77,11 +78,12 @@ def scene_of(count: int, materials: bool) -> dict[str, Any]:
     }
 
 
-def steps(count: int, moving: int, materials: bool) -> dict[str, float]:
-    """Median milliseconds of a step, and of its stages."""
+def steps(count: int, moving: int, materials: bool, is_held: bool = False) -> dict[str, float]:
+    """Median milliseconds of a step, and of its stages. ``is_held``: a hand is on the one that
+    moves."""
     run = ht.open(ht.loads(json.dumps(scene_of(count, materials))), sample_rate=8000)
     side = math.isqrt(count)
-    first = 0 if moving == count else count // 2 + side // 2
+    first = 0 if moving == count else count // 2 + (0 if is_held else side // 2)
     spent: dict[str, list[float]] = {"step": [], "graph": [], "propagate": []}
     for step in range(STEPS + 3):
         height = 0.0005 * (1 + math.sin(step))
@@ -123,10 +125,11 @@ def main() -> None:
     results: dict[str, Any] = {"steps": [], "pairs": []}
     for materials in (False, True):
         for count in COUNTS:
-            for moving in (0, 1, count):
-                found = steps(count, moving, materials)
+            for moving, is_held in ((0, False), (1, False), (1, True), (count, False)):
+                found = steps(count, moving, materials, is_held)
+                which = "one, held" if is_held else f"{moving:,}"
                 results["steps"].append(
-                    {"boxes": count, "moving": moving, "materials": materials, **found}
+                    {"boxes": count, "moving": which, "materials": materials, **found}
                 )
     for banded in (False, True):
         for count in PAIRS:
@@ -136,7 +139,7 @@ def main() -> None:
     rows = [
         [
             f"{row['boxes']:,}",
-            f"{row['moving']:,}",
+            row["moving"],
             "yes" if row["materials"] else "no",
             *(f"{row[stage]:.2f}" for stage in ("step", "graph", "propagate")),
         ]
