@@ -26,7 +26,8 @@ arrays.
 
 Where some bodies move and all else stands still, paths that cross none of their contacts cost what
 they did, and stay the best if no way through these contacts makes any other node nearer: then the
-trees of an earlier graph are those of this one.
+trees of an earlier graph are those of this one. What lies behind these contacts is found anew from
+what does not.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ class Heap:
         away = np.linalg.norm(self.home[:, None] - self.home, axis=2)
         pairs = [(a, b) for b in range(COUNT) for a in range(b) if away[a, b] < 1.3]
         self.joined = np.array([(k, COUNT) for k in range(COUNT)] + pairs)
-        link = Impedance() if kind == "measured" else Identity()
+        link = Impedance() if kind == "measured" and seed % 4 > 1 else Identity()
         self.contacts = ContactSet.from_contacts(
             [
                 Contact((names[a], names[b]), ((0, 0, 0),) * 2, link)
@@ -73,13 +73,17 @@ class Heap:
             ],
             self.table.index(),
         )
+        self.area = np.full(len(self.joined), 1e-4)
         self.sources = 2 if seed % 2 else 10  # trees grow from these or from the listeners
         self.loud = True
 
     def move(self, bodies: list[int], far: float) -> None:
-        """Move bodies about their homes."""
+        """Move bodies about their homes, or, not far at all, change the patches on them."""
         away = self.random.normal(0, 1, (len(bodies), 3)) * far
         self.spots[bodies] = self.home[bodies] + away
+        if far == 0:
+            mine = np.isin(self.joined, bodies).any(axis=1)
+            self.area[mine] = self.random.uniform(0, 4, np.count_nonzero(mine))
 
     def graph(self, before: HapticGraph | None = None) -> HapticGraph:
         """The nodes of a contact lie a bit from the middles of the boxes towards each other, on the
@@ -92,7 +96,7 @@ class Heap:
         towards = np.sign(self.home[one] - np.vstack([self.home, np.zeros(3)])[other]) / 2
         towards[on_ground] = 0
         positions = np.stack([first - towards, second + towards], axis=1)
-        contacts = dataclasses.replace(self.contacts, positions=positions)
+        contacts = dataclasses.replace(self.contacts, positions=positions, area=self.area.copy())
         ends = [(f"box {k:02d}", tuple(self.spots[k].tolist())) for k in range(0, COUNT, 5)]
         sources = tuple(
             Source(f"s{k}", *ends[k], amplitude=float(self.loud or k > 0))
