@@ -193,16 +193,26 @@ class CorePairing:
         row = []
         triangle = []
         piece = []
-        for core in np.unique(rows.second).tolist():
-            mine = np.flatnonzero(rows.second == core)
-            box, near = self.mesh(core).near(bounds[mine])
+        for surface, mine in self._alike(rows.second):
+            box, near = surface.index.near(bounds[mine])
             row.append(mine[box])
             triangle.append(near)
-            piece.append(self._surfaces[core].piece[near])
-        expanded = chosen_of(rows, np.concatenate(row))
-        expanded.triangle_b = np.concatenate(triangle)
-        expanded.piece = np.concatenate(piece)
+            piece.append(surface.piece[near])
+        every = np.concatenate(row)
+        order = np.lexsort((every, rows.second[every]))
+        expanded = chosen_of(rows, every[order])
+        expanded.triangle_b = np.concatenate(triangle)[order]
+        expanded.piece = np.concatenate(piece)[order]
         return expanded
+
+    def _alike(self, cores: IntArray) -> Iterator[tuple[CoreSurface, IntArray]]:
+        """The surfaces of ``cores`` (n,), each with the numbers (m,) of those that have it."""
+        different, of = np.unique(cores, return_inverse=True)
+        surface = np.array([id(self._surfaces[core]) for core in different.tolist()])[of]
+        order = surface.argsort(kind="stable")
+        for begin, size in zip(*(n.tolist() for n in runs(surface[order])), strict=True):
+            mine = order[begin : begin + size]
+            yield self._surfaces[int(cores[mine[0]])], mine
 
     def near_triangles(
         self, rows: CorePairs, distance: FloatArray, beyond: float = 0.0
@@ -354,9 +364,8 @@ class CorePairing:
     ) -> FloatArray:
         """World corners (3, 3, n), by coordinate and corner, of triangles of meshes."""
         local = np.empty((3, 3, len(mesh)))
-        for core in np.unique(mesh).tolist():
-            mine = mesh == core
-            local[..., mine] = taken(self._surfaces[core].corners, triangle[mine])
+        for surface, mine in self._alike(mesh):
+            local[..., mine] = taken(surface.corners, triangle[mine])
         return turned(rotation, local) + centre[:, None]
 
 

@@ -314,11 +314,8 @@ class SurfacePairs:
         their contacts as `contacts` does."""
         chosen = np.zeros(len(rows), dtype=np.bool_)
         for k in np.flatnonzero(np.isfinite(self.least_distances(rows))).tolist():
-            row = chosen_of(rows, np.array([k]))
-            mesh = self._surfaces[int(row.second[0])]
-            turn = row.rotation_b[..., 0]
-            place = row.centre_b[:, 0]
-            centre = (row.centre_a[:, 0] - place) @ turn
+            mesh = self._surfaces[int(rows.second[k])]
+            centre = (rows.centre_a[:, k] - rows.centre_b[:, k]) @ rows.rotation_b[..., k].copy()
             if not (
                 (centre > mesh.low).all()
                 and (centre < mesh.high).all()
@@ -326,6 +323,7 @@ class SurfacePairs:
             ):
                 continue
             chosen[k] = True
+            row = chosen_of(rows, np.array([k]))
             owner = int(row.owner[0])
             radius = float(row.radius_a[0] + row.radius_b[0])
             least = max(self._gap(row, 0).distance - radius, 0.0) + float(
