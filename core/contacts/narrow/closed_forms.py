@@ -7,11 +7,12 @@ inside; a point in a box has a negative distance, down to its nearest face.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields
 
 import numpy as np
 
-from ...arrays import BoolArray, FloatArray, chosen_of, joined
+from ...arrays import BoolArray, FloatArray, IntArray, chosen_of, joined, taken
 from ...frozen import frozen
 from .frames import COLUMN, cross, dot, following, pick, turned, turned_back
 
@@ -29,14 +30,20 @@ class Separation:
     second: FloatArray
 
 
-def between(first: FloatArray, second: FloatArray, otherwise: FloatArray = _UP) -> Separation:
-    """The separation of nearest points. Where they coincide the normal is ``otherwise``."""
+def between(
+    first: FloatArray,
+    second: FloatArray,
+    otherwise: Callable[[IntArray], FloatArray] = lambda _: _UP,
+) -> Separation:
+    """The separation of nearest points. Of those pairs (m,) that coincide the normals (3, m) are
+    what ``otherwise`` gives."""
     way = second - first
     distance = np.sqrt(dot(way, way))
     apart = distance > 1e-12
     normal = way / np.where(apart, distance, 1.0)
     if not apart.all():
-        normal = np.where(apart, normal, otherwise)
+        touching = np.flatnonzero(~apart)
+        normal[:, touching] = otherwise(touching)
     return Separation(distance, normal, first, second)
 
 
@@ -85,7 +92,11 @@ def segment_to_segment(
     t = np.clip((uv * s + vw) / vv1, 0.0, 1.0)
     s = np.clip((uv * t - uw) / uu1, 0.0, 1.0)
     t = np.clip((uv * s + vw) / vv1, 0.0, 1.0)
-    return between(a0 + u * s, b0 + v * t, _perpendicular(cross(u, v), u))
+    return between(
+        a0 + u * s,
+        b0 + v * t,
+        lambda rows: _perpendicular(cross(taken(u, rows), taken(v, rows)), taken(u, rows)),
+    )
 
 
 def _perpendicular(vector: FloatArray, along: FloatArray) -> FloatArray:
@@ -121,9 +132,12 @@ def nearest_on_triangle(point: FloatArray, corners: FloatArray) -> FloatArray:
 
 def point_to_triangle(point: FloatArray, corners: FloatArray) -> Separation:
     """Points and triangles (3, 3, n)."""
-    edge = corners[:, 1] - corners[:, 0]
-    normal = cross(edge, corners[:, 2] - corners[:, 0])
-    return between(point, nearest_on_triangle(point, corners), -_perpendicular(normal, edge))
+
+    def inward(rows: IntArray) -> FloatArray:
+        a, b, c = taken(corners, rows).transpose(1, 0, 2)
+        return -_perpendicular(cross(b - a, c - a), b - a)
+
+    return between(point, nearest_on_triangle(point, corners), inward)
 
 
 def segment_to_triangle(start: FloatArray, end: FloatArray, corners: FloatArray) -> Separation:
