@@ -424,7 +424,7 @@ class _Search:
             return None
         # What is not lost costs what it did.
         self.limits, self.cut, self.due = old.limits, old.cut.copy(), math.inf
-        arrival = old.arrival.reshape(rows, -1).copy()
+        arrival = old.arrival.reshape(rows, -1)
         entering = (arrival + self.crossing.reshape(-1, self.count)[self.lane]).take(over, axis=1)
         entering[lost] = math.inf
         entering[self.roots] = 0.0
@@ -440,6 +440,7 @@ class _Search:
             return least
 
         least = nearest()
+        arrival = np.minimum(arrival, self.limits[:, None])  # what costs more is of no interest
         arrival[row, node] = least
         self.arrival = (arrival + SLACK * (1 + arrival)).reshape(-1)
         pending = self.across(row, node, least)

@@ -199,7 +199,7 @@ def test_only_what_is_lost_is_found_anew(moving):
             assert found.gain[0] == pytest.approx(np.exp(-np.array(cost)), rel=1e-12)
 
 
-@pytest.mark.parametrize("bridge", ["arch", "tower"])
+@pytest.mark.parametrize("walked", ["before", "beyond"])
 @pytest.mark.parametrize(
     "frames",
     [
@@ -211,11 +211,12 @@ def test_only_what_is_lost_is_found_anew(moving):
     ],
     ids=["height", "equal", "farther", "loss", "radius"],
 )
-def test_a_bridge_that_comes_near_is_taken(frames, bridge):
-    """From one bank of a river to the other a ford, in two parts, costs 4 m, and a bridge at some
-    height, with a loss, twice the height and 2 m; less near the listener, within its radius. Where
-    both cost the same, the way is that of a search in the new graph alone."""
-    names = ["here", "there", "ford", "shoal", bridge, *(f"stone {k}" for k in range(20))]
+def test_a_bridge_that_comes_near_is_taken(frames, walked):
+    """From one bank of a river to the other a ford, in two parts, costs 2 m and as much along one of
+    the banks, and a bridge at some height, with a loss, twice the height and 2 m; less near the
+    listener, within its radius. Where both cost the same, the way is that of a search in the new
+    graph alone, which takes the one that reaches the other bank at less."""
+    names = ["here", "there", "ford", "shoal", "bridge", *(f"stone {k}" for k in range(20))]
     table = ObjectTable.of(
         [HapticObject(name, 0, 1, Exponential(alpha=1.0)) for name in names], 0.1
     )
@@ -223,13 +224,14 @@ def test_a_bridge_that_comes_near_is_taken(frames, bridge):
     def graph(
         height: float, loss: float, radius: float, before: HapticGraph | None = None
     ) -> HapticGraph:
+        aside = (2, 0) if walked == "before" else (0, 2)
         left, right = (0.0, 0.0, height), (2.0, 0.0, height)
         joined = [
-            Contact(("here", "ford"), ((0, 0, 0), (0, 2, 0)), Identity()),
+            Contact(("here", "ford"), ((0, aside[0], 0), (0, 2, 0)), Identity()),
             Contact(("ford", "shoal"), ((1, 2, 0), (1, 2, 0)), Identity()),
-            Contact(("shoal", "there"), ((2, 2, 0), (2, 2, 0)), Identity()),
-            Contact(("here", bridge), (left, left), Identity(), weight=math.exp(-loss)),
-            Contact((bridge, "there"), (right, right), Identity()),
+            Contact(("shoal", "there"), ((2, 2, 0), (2, aside[1], 0)), Identity()),
+            Contact(("here", "bridge"), (left, left), Identity(), weight=math.exp(-loss)),
+            Contact(("bridge", "there"), (right, right), Identity()),
             *(Contact(("ford", name), ((9, 9, 9),) * 2, Identity()) for name in names[5:]),
         ]
         return build_graph(
@@ -247,6 +249,7 @@ def test_a_bridge_that_comes_near_is_taken(frames, bridge):
             known = graph(height, loss, radius, known)
             found = propagate(known, Settings(), kept=kept)
             over = height + 2 + max(height - radius, 0) + loss
-            assert found.gain.item() == pytest.approx(np.exp(-min(4 - radius, over)), rel=1e-12)
+            ford = 4 - radius * (walked == "beyond")
+            assert found.gain.item() == pytest.approx(np.exp(-min(ford, over)), rel=1e-12)
             expected = propagate(graph(height, loss, radius), Settings())
             assert dict(found.best_path) == dict(expected.best_path)
