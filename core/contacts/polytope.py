@@ -12,12 +12,16 @@ _SLIVER = 1e-18
 
 
 class Polytope:
-    """Its ``points`` are those that may become corners. ``faces``: by number, in the order in which
-    they were made, their corners, anticlockwise seen from outside, outward unit normal, and height
-    along it, infinite of a sliver, which is replaced by whatever else is.
+    """A convex polytope whose faces are triangles.
+
+    Attributes:
+        points: places [m] that may become corners; others may be added.
+        faces: by number, in the order in which they were made: three corners, anticlockwise seen
+            from outside, outward unit normal, and the plane's height along it [m]. A sliver has
+            the height infinity, and is replaced together with any face beside it.
 
     Args:
-        points: places [m], to which others may be added.
+        points: as above.
         level: height above a face up to which points lie in it [m].
     """
 
@@ -29,7 +33,8 @@ class Polytope:
         self._made = 0
 
     def add_face(self, i: int, j: int, k: int) -> int:
-        """Add a face, and return its number."""
+        """Add the face with these corners, by number, anticlockwise seen from outside. Returns the
+        number of the face."""
         (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (self.points[corner] for corner in (i, j, k))
         ux, uy, uz = bx - ax, by - ay, bz - az
         vx, vy, vz = cx - ax, cy - ay, cz - az

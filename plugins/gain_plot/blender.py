@@ -85,8 +85,8 @@ CLASSES = (HAPTIC_PT_gain,)
 
 
 def register() -> None:
-    """There is nothing beside the class."""
+    """Register nothing else: Blender needs the class alone."""
 
 
 def unregister() -> None:
-    """There is nothing beside the class."""
+    """Unregister nothing else."""

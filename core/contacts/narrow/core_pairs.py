@@ -193,7 +193,7 @@ class CorePairing:
         row = []
         triangle = []
         piece = []
-        for surface, mine in self._alike(rows.second):
+        for surface, mine in self.alike(rows.second):
             box, near = surface.index.near(bounds[mine])
             row.append(mine[box])
             triangle.append(near)
@@ -205,8 +205,9 @@ class CorePairing:
         expanded.piece = np.concatenate(piece)[order]
         return expanded
 
-    def _alike(self, cores: IntArray) -> Iterator[tuple[CoreSurface, IntArray]]:
-        """The surfaces of ``cores`` (n,), each with the numbers (m,) of those that have it."""
+    def alike(self, cores: IntArray) -> Iterator[tuple[CoreSurface, IntArray]]:
+        """Each different surface of ``cores`` (n,), and where in these the cores (m,) are that have
+        it."""
         different, of = np.unique(cores, return_inverse=True)
         surface = np.array([id(self._surfaces[core]) for core in different.tolist()])[of]
         order = surface.argsort(kind="stable")
@@ -364,7 +365,7 @@ class CorePairing:
     ) -> FloatArray:
         """World corners (3, 3, n), by coordinate and corner, of triangles of meshes."""
         local = np.empty((3, 3, len(mesh)))
-        for surface, mine in self._alike(mesh):
+        for surface, mine in self.alike(mesh):
             local[..., mine] = taken(surface.corners, triangle[mine])
         return turned(rotation, local) + centre[:, None]
 

@@ -712,12 +712,8 @@ class SurfacePairs:
         """Which points (3, n) are inside the solids ``cores`` (n,), each in the frame of its own;
         true of shells."""
         inside = np.ones(len(cores), dtype=np.bool_)
-        unique, number = np.unique(cores, return_inverse=True)
-        surfaces = [self._surfaces[core] for core in unique.tolist()]
-        alike = np.array([id(surface) for surface in surfaces], dtype=np.int64)[number]
-        for surface in {id(surface): surface for surface in surfaces}.values():
+        for surface, mine in self._pairing.alike(cores):
             if surface.depth > 0:
-                mine = (alike == id(surface)).nonzero()[0]
                 inside[mine] = surface.contains(points[:, mine].T)
         return inside
 
